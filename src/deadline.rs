@@ -60,6 +60,13 @@ thread_local! {
     static TALLY: Cell<Tally> = const { Cell::new(Tally { work: 0, ended: false }) };
 }
 
+impl Tally {
+    /// The work, in seconds that it takes one core.
+    pub fn seconds(&self) -> f64 {
+        self.work as f64 / A_SECOND
+    }
+}
+
 impl Deadline {
     /// No such moment.
     pub const NEVER: Deadline = Deadline(None);

@@ -10,7 +10,7 @@
 //! touches ─ learning (Hersch's rule; its repair; second order, then online) ─ schema, and how sure it is
 //! schema + ground_truth ─ evaluation
 //! schema + skin + touch ─ peripersonal (what is where about the body, how to touch it) ─ interaction
-//! all of it ─ session (with an observer), experiment (studies) ─ cli
+//! all of it ─ session (with an observer) ─ study (cases measured over seeds) ─ cli
 //! session, schema ─ export (MJCF, URDF), view (report, live page, charts; pictures and films by MuJoCo's renderer)
 //! ```
 //!
@@ -53,7 +53,7 @@
 //! # }
 //! ```
 //!
-//! With an observer, and on disk: [`session`]; studies: [`experiment`].
+//! With an observer, and on disk: [`session`]; over many seeds: [`study`].
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -85,5 +85,6 @@ pub mod session;
 pub mod share;
 pub mod simulation;
 pub mod skin;
+pub mod study;
 #[cfg(any(feature = "render", feature = "report"))]
 pub mod view;

@@ -38,7 +38,7 @@ def main(words):
         return 2
     shares, folder, command = int(words[0]), pathlib.Path(words[1]), words[2:]
     (folder / "logs").mkdir(parents=True, exist_ok=True)
-    merge = [command[0], "merge", str(folder)]
+    merge = [command[0], "study", "merge", str(folder)]
     missing = range(1, shares + 1)
     if (folder / "shares").is_dir():
         told = subprocess.run([*merge, "--missing"], check=True, capture_output=True, text=True)

@@ -18,11 +18,11 @@ shift 2
 program=$1
 mkdir -p "$dir/logs"
 missing=$(seq -s, "$shares")
-if [ -d "$dir/shares" ]; then missing=$("$program" merge "$dir" --missing); fi
+if [ -d "$dir/shares" ]; then missing=$("$program" study merge "$dir" --missing); fi
 if [ -n "$missing" ]; then
     # A share that fails is tried once more, and does not keep the others from being made.
     tr , '\n' <<<"$missing" | parallel --quote --retries 2 --joblog "$dir/logs/parallel.tsv" \
         bash -c 'log=$1; shift; exec "$@" >"$log" 2>&1' share "$dir/logs/{}.txt" \
         "$@" --quiet --shard "{}/$shares" --out "$dir" || echo "$?" shares failed: see "$dir/logs" >&2
 fi
-exec "$program" merge "$dir"
+exec "$program" study merge "$dir"

@@ -18,7 +18,7 @@ shift 2
 program=$1
 mkdir -p "$dir/logs"
 missing=1-$shares
-if [ -d "$dir/shares" ]; then missing=$("$program" merge "$dir" --missing); fi
+if [ -d "$dir/shares" ]; then missing=$("$program" study merge "$dir" --missing); fi
 wait=()
 if [ -n "$missing" ]; then
     # Slurm starts it with the number of its share in the environment.
@@ -33,7 +33,7 @@ SHARE
 fi
 merge=$(sbatch --parsable --job-name merge --output "$dir/logs/merge.txt" "${wait[@]}" <<MERGE
 #!/usr/bin/env bash
-exec $(printf '%q ' "$program" merge "$dir")
+exec $(printf '%q ' "$program" study merge "$dir")
 MERGE
 )
 echo "merge: job $merge; what comes out will be in $dir/logs/merge.txt"

@@ -111,7 +111,7 @@ pub struct BabbleArguments {
     #[serde(skip)]
     pub resume: Option<PathBuf>,
     /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
-    /// `bodyschema merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
+    /// `bodyschema study merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
     /// with a share that was interrupted
     #[arg(
         long,

@@ -33,6 +33,13 @@ pub struct Force {
     force: bool,
 }
 
+impl Force {
+    /// Whether they may.
+    pub fn is_given(self) -> bool {
+        self.force
+    }
+}
+
 /// The folder of a new session: the one named, else the first free of sessions/CREATURE-1, -2, ….
 pub fn session_folder(out: Option<&Path>, creature: &str, force: Force) -> Result<FolderLock, Failure> {
     let name: String = creature.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).take(40).collect();

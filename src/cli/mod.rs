@@ -22,15 +22,12 @@ mod completions;
 mod ends_with;
 mod export;
 mod folders;
-mod gallery;
-mod generate;
 mod happening;
 mod inspect;
 mod learn;
 mod learned;
 mod learning_arguments;
 mod live;
-mod merge;
 mod message;
 mod open;
 mod output;
@@ -97,7 +94,6 @@ struct Cli {
 enum Command {
     // What each is for stands over its arguments: there help has it whole.
     Babble(babbling::BabbleArguments),
-    Merge(merge::MergeArguments),
     Learn(learn::LearnArguments),
     Calibrate(calibrate::CalibrateArguments),
     Plan(calibrate::plan::PlanArguments),
@@ -108,10 +104,8 @@ enum Command {
     Export(export::ExportArguments),
     Inspect(inspect::InspectArguments),
     Skin(skin::SkinArguments),
-    Generate(generate::GenerateArguments),
     Talk(talk::TalkArguments),
     Study(study::StudyArguments),
-    Gallery(gallery::GalleryArguments),
     #[command(hide = true)]
     Completions(completions::CompletionsArguments),
     #[command(hide = true)]
@@ -129,12 +123,15 @@ pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
 }
 
 /// Commands of the version before, and those that do their work now.
-const RENAMED: [(&str, &str); 5] = [
+const RENAMED: [(&str, &str); 8] = [
     ("evaluate", "report"),
     ("observe", "report"),
     ("space", "reach"),
     ("feel", "skin feel"),
     ("map", "skin map"),
+    ("generate", "study generate"),
+    ("gallery", "study gallery"),
+    ("merge", "study merge"),
 ];
 
 /// What may be given beside `--resume`, and itself.
@@ -197,7 +194,6 @@ fn carry_out() -> Outcome {
             given();
             babble::run(&args)
         }
-        Command::Merge(args) => merge::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Plan(args) => calibrate::plan::run(&args),
@@ -208,10 +204,8 @@ fn carry_out() -> Outcome {
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Skin(args) => skin::run(&args),
-        Command::Generate(args) => generate::run(&args),
         Command::Talk(args) => talk::run(&args),
-        Command::Study(args) => study::run(&args, given()),
-        Command::Gallery(args) => gallery::run(&args),
+        Command::Study(args) => study::run(&args),
         Command::Completions(args) => completions::run(&args, &Cli::command()),
         Command::Rehearse(args) => open::run(&args),
     }

@@ -86,12 +86,6 @@ impl Observer for Bars {
             (Phase::LearningUndisturbed, Some(bar)) => {
                 bar.set_message("learning without the disturbances, for comparison");
             }
-            (Phase::Trial { trial, trials, doing }, found) => {
-                let steps = found.clone().unwrap_or_else(|| steps(trials as u64));
-                steps.set_position(trial.saturating_sub(1) as u64);
-                steps.set_message(format!("trial {trial} of {trials}: {doing}"));
-                *bar = Some(steps);
-            }
             (phase, found) => {
                 found.iter().for_each(ProgressBar::finish_and_clear);
                 *bar = match phase {
@@ -109,7 +103,7 @@ impl Observer for Bars {
                     Phase::Learning { touches, each: false } => {
                         Some(spinner(&format!("learning from {touches} touches")))
                     }
-                    Phase::LearningUndisturbed | Phase::Trial { .. } | Phase::Done => None,
+                    Phase::LearningUndisturbed | Phase::Done => None,
                 };
             }
         }

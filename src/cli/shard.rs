@@ -1,4 +1,4 @@
-//! `bodyschema babble --shard`: one share of a session, for `bodyschema merge` to put together with the others.
+//! `bodyschema babble --shard`: one share of a session, for `bodyschema study merge` to put together with the others.
 
 use std::path::Path;
 
@@ -43,7 +43,7 @@ pub fn run(prepared: &Prepared, args: &BabbleArguments, share: Share, folder: &P
         }));
     }
     say!("share {share}: {touches} touches, in {}", place.display());
-    say!("next, when all {} shares are made: `bodyschema merge {}`", share.of(), folder.display());
+    say!("next, when all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
     Ok(())
 }
 

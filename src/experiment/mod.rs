@@ -1,8 +1,4 @@
-//! Studies that repeat a measurement over seeds; [`bodies`] makes creatures to study from seeds. What else was here is in
-//! [`session`](crate::session).
+//! What was here is in [`session`](crate::session) and [`study`](crate::study).
 
-pub mod bodies;
-pub mod study;
-
+pub(crate) use crate::session::words;
 pub use crate::session::*;
-pub(crate) use crate::session::{touches, words};

@@ -170,7 +170,8 @@ impl Embodied {
     /// # Errors
     /// Where it has no skin, or no two of its limbs can meet.
     pub fn babbler(&self, motion: MotionName) -> Result<Babbler<'_>, ExperimentError> {
-        babbler(&self.source.model, &self.body, &self.agent, motion)
+        let movers = Movers::new(&self.body, &self.agent, motion);
+        movers.map(Babbler::new).map_err(ExperimentError::simulation(self.model()))
     }
 }
 
@@ -196,17 +197,4 @@ pub fn skin_for(
         )),
     }
     Ok((skin, own))
-}
-
-/// Prepares a body for babbling.
-///
-/// # Errors
-/// Where it cannot babble; errors name the file of its `model`.
-pub(crate) fn babbler<'a>(
-    model: &Path,
-    body: &'a Body,
-    agent: &'a Agent,
-    motion: MotionName,
-) -> Result<Babbler<'a>, ExperimentError> {
-    Movers::new(body, agent, motion).map(Babbler::new).map_err(ExperimentError::simulation(model))
 }

@@ -37,7 +37,9 @@ pub(super) fn for_session(path: &Path) -> String {
         return "it is a study's folder and no session's: what came out is in its study.json".into();
     }
     if path.join(SHARES_FOLDER).exists() {
-        return format!("it holds shares that are not put together: `bodyschema merge {place}` does that");
+        return format!(
+            "it holds shares that are not put together: `bodyschema study merge {place}` does that"
+        );
     }
     match first_session(path) {
         Some(session) => format!("it holds sessions, and is none: give one of them, such as {session}"),

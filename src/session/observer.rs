@@ -51,7 +51,7 @@ impl Observer for Observers<'_> {
 
 /// A phase of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase<'a> {
+pub enum Phase {
     /// The creature babbles.
     Babbling {
         /// Touches that were there before.
@@ -72,15 +72,6 @@ pub enum Phase<'a> {
     },
     /// A learner takes in the same touches without the disturbances, for comparison.
     LearningUndisturbed,
-    /// A trial of a study.
-    Trial {
-        /// Its number, counted from 1.
-        trial: usize,
-        /// How many there are.
-        trials: usize,
-        /// What it is at.
-        doing: &'a str,
-    },
     /// The last phase is over.
     Done,
 }

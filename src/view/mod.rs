@@ -23,9 +23,6 @@ pub(crate) mod text;
 #[cfg(feature = "report")]
 pub mod tone;
 
-#[cfg(feature = "report")]
-pub use charts::study_chart;
-
 /// How pages look, the body and charts in them as well.
 #[cfg(feature = "report")]
 const STYLE: &str =

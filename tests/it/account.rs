@@ -6,7 +6,6 @@ use crate::common::program::succeeds;
 use crate::common::{babble, creature, max, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::creature::Posture;
-use bodyschema::experiment::own_body;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::learning::{
@@ -15,6 +14,7 @@ use bodyschema::learning::{
 use bodyschema::peripersonal::{Doubt, OwnBody};
 use bodyschema::record::{LEARNED_RECORD_FILE, LearningRecord, RecordedAccount};
 use bodyschema::senses::Touch;
+use bodyschema::session::own_body;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

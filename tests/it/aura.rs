@@ -191,3 +191,39 @@ fn what_a_hand_holds_alarms_neither_it_nor_what_moves_with_it_but_what_it_is_bro
     assert!(threatened.iter().any(|limb| !own(limb)), "{threatened:?}");
     assert!(!threatened.iter().any(own), "{threatened:?}");
 }
+
+#[test]
+fn which_limb_a_ball_is_going_to_touch_is_foreseen() {
+    let options = StageOptions { probes: vec!["probe".into()], ..StageOptions::default() };
+    let stage = Stage::new(&repository("mjcf/max/max.xml"), &options).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let (mut hits, mut foreseen) = (0, 0);
+    for _ in 0..20 {
+        // Straight to a random place of the skin, from outside and 0.9 m away.
+        let receptors = &stage.skin().receptors;
+        let receptor = &receptors[rng.random_range(0..receptors.len())];
+        let pose = stage.limb_pose(receptor.limb);
+        let target = (pose * Point3::from(receptor.position)).coords;
+        let from = pose.rotation * receptor.normal;
+        let (time, seconds) = (stage.time(), 0.95 / rng.random_range(0.3..0.9));
+        let ends = [0.9, -0.05].map(|along: f64| target + from * along);
+        stage.send_probe(0, ProbePath(vec![(time, ends[0]), (time + seconds, ends[1])])).unwrap();
+        // Nothing was near before.
+        stage.grow_aura();
+        let mut told: Vec<(f64, Option<usize>)> = Vec::new();
+        let mut hit = None;
+        while hit.is_none() && stage.time() < time + seconds {
+            let step = stage.step().unwrap();
+            let approach = stage.approaches().into_iter().find_map(|approach| approach.contact);
+            told.push((step.time, approach.map(|contact| contact.limb)));
+            hit = step.contacts.first().map(|contact| (step.time, contact.spot.limb));
+        }
+        stage.withdraw_probe(0).unwrap();
+        let Some((when, limb)) = hit else { continue };
+        hits += 1;
+        // As it was foreseen 0.3 s before.
+        let ahead = told.partition_point(|(time, _)| *time <= when - 0.3);
+        foreseen += usize::from(ahead > 0 && told[ahead - 1].1 == Some(limb));
+    }
+    assert!(hits >= 18 && foreseen + 1 >= hits, "{foreseen} of {hits}");
+}

@@ -1,6 +1,5 @@
 //! Getting out of the way of what comes near, by the schema and the aura.
 
-use crate::common::program::succeeds;
 use crate::common::{babble, max, repository, truth};
 use bodyschema::agent::Agent;
 use bodyschema::creature::{JointSelection, Posture};
@@ -196,24 +195,4 @@ fn joint_velocities_keep_barriers_and_ranges_and_say_what_they_give_up() {
     let (torn, given_up) = goes(&torn);
     assert!(torn.x < 0.0505 && torn.x > 0.04, "{torn}");
     assert!((given_up - 0.95).abs() < 0.01, "{given_up}");
-}
-
-#[test]
-fn the_study_says_what_any_posture_avoids() {
-    let place = tempfile::tempdir().unwrap();
-    let model = repository("mjcf/max/max.xml");
-    let arguments =
-        ["study", "avoid-busy", model.to_str().unwrap(), "--trials", "1", "--seed", "4", "--touches", "400"];
-    let told = succeeds(place.path(), &[&arguments[..], &["--json"]].concat());
-    let found: serde_json::Value = serde_json::from_str(&told).unwrap();
-    let rows = found["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 2, "two creatures in one trial");
-    for row in rows {
-        let holds = |name: &str| row[name].as_bool().unwrap();
-        assert!(holds("avoidable") || !holds("avoidable_in_time"));
-        assert!(holds("avoidable_twice") || !holds("avoidable"));
-        assert!(holds("avoidable") || !holds("task_possible"));
-        assert!((0.0..=1.0).contains(&row["at_task"].as_f64().unwrap()));
-        assert_eq!(holds("no_touch"), row["touched_limb"] == "none");
-    }
 }

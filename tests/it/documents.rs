@@ -169,7 +169,8 @@ fn commands() -> Vec<String> {
     let names = list.lines().take_while(|line| line.starts_with("  "));
     let names: Vec<String> =
         names.filter_map(|line| line.split_whitespace().next()).map(String::from).collect();
-    names.into_iter().filter(|name| name != "help").collect()
+    let of_study = ["study generate", "study gallery", "study merge"].map(String::from);
+    names.into_iter().filter(|name| name != "help").chain(of_study).collect()
 }
 
 /// The examples in a help.

@@ -152,7 +152,7 @@ fn other_results_are_replaced_by_force_too() {
 
     fs::create_dir(at("gallery")).unwrap();
     fs::write(at("gallery/gallery.md"), "hours of work").unwrap();
-    assert!(refused(place.path(), 1, &["gallery", "arms.xml"]).contains("--force"));
+    assert!(refused(place.path(), 1, &["study", "gallery", "arms.xml"]).contains("--force"));
     fs::create_dir_all(at("odd/schema.json")).unwrap();
     let odd = refused(place.path(), 1, &[&BABBLE[..], &["--out", "odd", "--force"]].concat());
     assert!(odd.contains("odd/schema.json: it is no file"), "{odd}");
@@ -190,7 +190,7 @@ fn a_command_that_fails_leaves_no_folder() {
         &["export", "s", "--out", "x.jpg"],
         &["export", "s", "--urdf"],
         &["skin", "arms.xml", "--out", &long],
-        &["generate", "--out", &long],
+        &["study", "generate", "--out", &long],
         &["learn", "empty", "--out", "new/deep"],
         &["learn", "empty", "--out", "s", "--force"],
         &["learn", "--creature", "empty/session.json", "--log", "empty/touches.jsonl", "--out", "new/deep"],

@@ -129,8 +129,6 @@ fn is_whole(way: &Path, bytes: &[u8]) -> bool {
     match way.extension().and_then(|ending| ending.to_str()) {
         Some("json") => serde_json::from_slice::<serde_json::Value>(bytes).is_ok(),
         Some("html") => text.trim_end().ends_with("</html>"),
-        Some("svg") => text.trim_end().ends_with("</svg>"),
-        Some("ron") => text.ends_with(")\n"),
         Some("md") => text.ends_with('\n'),
         other => panic!("{} is another each time, and nothing is known of .{other:?}", way.display()),
     }
@@ -197,8 +195,8 @@ fn quick(yard: &Yard) -> Vec<Job> {
         yard.job("study learners arms.xml --trials 2 --touches 12 --out s", None),
         yard.job("study learners arms.xml --trials 2 --touches 12 --shard 1/1 --out s", None),
         yard.job("babble arms.xml --touches 200 --shard 1/2 --out s", None),
-        yard.job("merge s", Some("shares")),
-        yard.job("merge s", Some("trials")),
+        yard.job("study merge s", Some("shares")),
+        yard.job("study merge s", Some("trials")),
         yard.job("skin arms.xml --out s/skin.xml", None),
         yard.job("export whole --out s/body.xml", None),
         yard.job(&format!("calibrate {} {} --free *.offset --out s", arms.display(), table.display()), None),
@@ -220,7 +218,7 @@ mod large {
     #[ignore = "large: 50 kills of every command that writes no session"]
     fn results_of_commands_that_are_killed() {
         let yard = Yard::new();
-        let mut jobs = vec![yard.job("gallery arms.xml --trials 1 --out s", None)];
+        let mut jobs = vec![yard.job("study gallery arms.xml --trials 1 --out s", None)];
         jobs.extend(quick(&yard));
         jobs.push(yard.job("render whole --touch 1 --size 160x120 --out s/touch.png", None));
         jobs.push(yard.job("render whole --touches 1..2 --size 160x120 --out s/touches.mp4", None));

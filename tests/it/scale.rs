@@ -109,41 +109,12 @@ fn a_page_of_very_many_limbs_can_be_opened() {
     assert!((1..320).all(|k| page.contains(&format!(">j{k}</th>"))));
 }
 
-/// By `cargo test --release --test it large::scale -- --ignored --nocapture`; `BODYSCHEMA_PLOTS` names a folder for plots of what
-/// the tables tell.
+/// By `cargo test --release --test it large::scale -- --ignored --nocapture`.
 mod large {
-    use std::collections::BTreeMap;
-
-    use bodyschema::experiment::study::{AxisScale, PlotAxis, PlotSeries, StudyPlot};
-    use bodyschema::view::study_chart;
-
     use super::*;
 
     /// The sessions of each body, of whose times the mean is told: what one takes differs by a tenth.
     const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
-
-    /// What grows, by its name.
-    type Curves = BTreeMap<String, Vec<(f64, f64)>>;
-
-    /// Plots curves and, dotted, what grows as n log n from the first point of each on.
-    fn plot(file: &str, title: &str, x: &'static str, y: &'static str, curves: &Curves) {
-        let Some(folder) = std::env::var_os("BODYSCHEMA_PLOTS") else { return };
-        let axis = |title| PlotAxis { title, scale: AxisScale::Logarithmic };
-        let curve = |(name, points): (&String, &Vec<(f64, f64)>)| {
-            let (first, cost) = points[0];
-            let bound = |&(n, _): &(f64, f64)| (n, cost * n * n.ln() / (first * first.ln()));
-            let line = PlotSeries { name: name.clone(), line: points.clone(), dots: points.clone() };
-            let bound = PlotSeries {
-                name: format!("{name}, were it n log n"),
-                line: Vec::new(),
-                dots: points.iter().map(bound).collect(),
-            };
-            [line, bound]
-        };
-        let plot = StudyPlot { x: axis(x), y: axis(y), series: curves.iter().flat_map(curve).collect() };
-        std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(Path::new(&folder).join(file), study_chart(&plot, title).alone()).unwrap();
-    }
 
     #[test]
     #[ignore = "large: bodies of 10 to 1,000 limbs"]
@@ -152,7 +123,6 @@ mod large {
             "| body | limbs | to the first touches, s | a touch, ms | a touch and limb, µs | MB | KB a limb | page, MB |"
         );
         println!("|---|---|---|---|---|---|---|---|");
-        let (mut times, mut sizes) = (Curves::new(), Curves::new());
         for (name, chain) in [("star", 1), ("arms of 8", 8)] {
             for limbs in [10, 30, 100, 300, 1000] {
                 let place = tempfile::tempdir().unwrap();
@@ -174,8 +144,6 @@ mod large {
                 let (begun, all) = (run(few), run(many));
                 let touch = 1e3 * (all.seconds - begun.seconds) / (many - few) as f64;
                 let page = std::fs::metadata(place.path().join("s/report.html")).unwrap().len();
-                times.entry(name.into()).or_default().push((limbs as f64, touch));
-                sizes.entry(name.into()).or_default().push((limbs as f64, all.megabytes));
                 println!(
                     "| {name} | {limbs} | {:.2} | {touch:.2} | {:.1} | {:.0} | {:.0} | {:.2} |",
                     begun.seconds,
@@ -187,8 +155,6 @@ mod large {
                 assert!(page < LONGEST_PAGE, "{page} bytes");
             }
         }
-        plot("touch-by-limbs.svg", "What a touch takes", "limbs", "ms a touch", &times);
-        plot("memory-by-limbs.svg", "What a session holds", "limbs", "MB", &sizes);
     }
 
     /// `BODYSCHEMA_SCALE` names another most than a million.
@@ -202,10 +168,7 @@ mod large {
         println!("| command | touches | s | µs a touch | MB | bytes a touch |");
         println!("|---|---|---|---|---|---|");
         let sizes = || (3..7).map(|power| 10usize.pow(power)).filter(|&touches| touches <= most);
-        let (mut times, mut memory) = (Curves::new(), Curves::new());
-        let mut tell = |name: &str, touches: usize, cost: Cost| {
-            times.entry(name.into()).or_default().push((touches as f64, cost.seconds));
-            memory.entry(name.into()).or_default().push((touches as f64, cost.megabytes));
+        let tell = |name: &str, touches: usize, cost: Cost| {
             println!(
                 "| {name} | {touches} | {:.2} | {:.0} | {:.0} | {:.0} |",
                 cost.seconds,
@@ -226,7 +189,5 @@ mod large {
                 tell(name, touches, cost(place.path(), line));
             }
         }
-        plot("time-by-touches.svg", "What a log takes", "touches", "s of the processor", &times);
-        plot("memory-by-touches.svg", "What a log holds", "touches", "MB", &memory);
     }
 }

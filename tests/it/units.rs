@@ -190,7 +190,7 @@ fn every_number_is_in_si_or_named_with_its_unit() {
         &["report", "s", "--json"],
         &["inspect", "arms.xml", "--json"],
         &["inspect", scene.to_str().unwrap(), "--json"],
-        &["generate", "--out", "g.xml", "--json"],
+        &["study", "generate", "--out", "g.xml", "--json"],
         &["calibrate", urdf, log, "--free", "*.offset", "--held-out", "0.3", "--out", "c", "--json"],
         &["study", "hersch", "arms.xml", "--trials", "1", "--touches", "60", "--out", "y", "--json"],
         &["study", "learners", "arms.xml", "--trials", "1", "--touches", "60", "--out", "z", "--json"],

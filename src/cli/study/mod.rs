@@ -1,71 +1,98 @@
 //! `bodyschema study`: one measurement repeated over several seeds.
 
-mod asked;
-mod bodies;
-mod conclusion;
-mod hersch;
-pub mod shares;
+mod gallery;
+mod generate;
+mod merge;
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use indicatif::ProgressBar;
+use serde_json::json;
 
-use super::arguments::{Arguments, positive, touch_count};
+use super::arguments::{positive, touch_count};
 use super::folders::{Force, free_folder};
-use super::open::{MAX, ModelArguments};
-use super::progress::Bars;
-use super::{Failure, Outcome};
-use crate::babbling::PolicyName;
-use crate::calibration::made::Fault;
+use super::open::{MAX, ModelArguments, embodied, is_there};
+use super::shard::take_share;
+use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
-use crate::experiment::study::bodies::WAYS;
-use crate::experiment::study::claims::POLICIES as CLAIMS_POLICIES;
-use crate::experiment::study::{STUDIES, Study};
-use crate::experiment::{Observer, Phase};
+use crate::session::{FolderLock, STUDY_FILE, ShareRecord};
 use crate::share::Share;
+use crate::study::{
+    Findings, MOST_TRIALS, MadeTrials, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare,
+};
 
-use asked::AskedStudy;
+/// The measurements, in the study's folder.
+const TABLE_FILE: &str = "study.csv";
+/// All that a study leaves in its folder.
+const FILES: [&str; 2] = [STUDY_FILE, TABLE_FILE];
+/// Where trials are until all are made, in the study's folder.
+const TRIALS_FOLDER: &str = ".trials";
 
-/// Touches of a trial where none are asked for.
-const TOUCHES: usize = 1000;
-
-/// Repeat a measurement over several seeds: a table, its data and a plot.
+/// Repeat a measurement over several seeds: a table, its data and a summary.
 ///
-/// Trial by trial the creature babbles with a seed of its own, learns under every condition of the study from
-/// the same touches, and is measured against the model. Everything goes into a folder: study.json with all
-/// options, seeds and numbers, study.csv with a row per measurement, study.svg.
+/// Trial by trial, each with a seed of its own, every case of the study is measured against the model. Trials run on all
+/// cores. Everything goes into a folder: study.json with all options, seeds and numbers, study.csv with a row per
+/// measurement. The same command goes on with a study that was interrupted.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:
   bodyschema study learners --trials 5                                # takes minutes
   bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes
   bodyschema study bodies --trials 20 --seed 20001                    # takes minutes
-  bodyschema study learners --trials 1000 --shard 3/16 --out studies/many    # takes hours")]
+  bodyschema study learners --trials 1000 --shard 3/16 --out studies/many    # takes hours"
+)]
 pub struct StudyArguments {
+    #[command(subcommand)]
+    command: Option<StudyCommand>,
+    #[command(flatten)]
+    study: Option<RunArguments>,
+}
+
+#[derive(clap::Subcommand)]
+enum StudyCommand {
+    Generate(generate::GenerateArguments),
+    Gallery(gallery::GalleryArguments),
+    Merge(merge::MergeArguments),
+}
+
+#[derive(clap::Args)]
+struct RunArguments {
     /// The study
     #[arg(value_parser = study())]
     name: &'static Study,
-    /// The MJCF or URDF file of a creature; several of studies that are of several
+    /// The MJCF or URDF file of a creature
     #[arg(default_value = MAX)]
-    model: Vec<PathBuf>,
+    model: PathBuf,
     #[command(flatten)]
     open: ModelArguments,
     /// Trials, each with touches and initial guesses of its own
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    trials: u32,
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    trials: u64,
     /// Seed of the first trial; the next ones count on from it
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Touches of a trial, of studies that babble them [default: 1000; of hersch 20000]
+    /// Only this case: its name, or a part of the names of several; can be given several times
+    #[arg(long = "case", visible_alias = "way", value_name = "CASE")]
+    cases: Vec<String>,
+    /// Touches of a trial, of studies that babble; of acting, from which the body is learned [default: 1000; of hersch 20000]
     #[arg(long, value_parser = touch_count)]
     touches: Option<usize>,
+    /// Work that a case may take, its touches included, of the study bodies: about what one core does in so many seconds
+    /// [default: 50]
+    #[arg(long, value_parser = positive)]
+    seconds: Option<f64>,
     /// The joints that move: a set that the model names (torso), all, or names separated by commas
-    /// [default: torso where the model names it, else all]
+    /// [default: torso if the model names it, else all]
     #[arg(long)]
     joints: Option<JointSelection>,
-    /// The session whose schema a study of action uses [default: it babbles and learns one, by the first seed]
+    /// The session in which the creature has learned its body, of the study acting [default: it babbles and learns by the first
+    /// seed]
     #[arg(long, value_name = "SESSION")]
     session: Option<PathBuf>,
-    /// Threads that babble; they change nothing but the time [default: one per core]
+    /// Threads; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// The study's folder [default: studies/NAME, or the first free of studies/NAME-2, -3, …]
@@ -74,94 +101,169 @@ pub struct StudyArguments {
     #[command(flatten)]
     force: Force,
     /// Make only this share of the trials, as in 3/16: other processes, here or elsewhere, make the others, and `bodyschema
-    /// merge DIR` makes of all what one process would have made. The same command goes on with a share that was interrupted
+    /// study merge DIR` makes of all what one process would have made. The same command goes on with a share that was
+    /// interrupted
     #[arg(long, value_name = "SHARE", requires = "out", conflicts_with = "force", help_heading = "Output")]
     shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
-    /// Only sessions that this policy babbled: random or stages
-    #[arg(long, value_name = "POLICY", value_parser = policy, help_heading = "Of the study claims")]
-    policy: Option<PolicyName>,
-    /// Only these of its cases, separated by commas
-    #[arg(
-        long = "case",
-        value_name = "CASES",
-        value_delimiter = ',',
-        value_parser = case(),
-        help_heading = "Of the study calibration"
-    )]
-    cases: Vec<Fault>,
-    /// Work that a way to learn may take with a body, its touches included: about what one core does in so many seconds
-    /// [default: 50]
-    #[arg(long, value_parser = positive, help_heading = "Of the study bodies")]
-    seconds: Option<f64>,
-    /// Only these of its ways to learn, separated by commas
-    #[arg(
-        long = "way",
-        value_name = "WAYS",
-        value_delimiter = ',',
-        value_parser = way(),
-        help_heading = "Of the study bodies"
-    )]
-    ways: Vec<&'static str>,
-    #[command(flatten)]
-    hersch: hersch::HerschArguments,
-}
-
-impl StudyArguments {
-    /// The seeds of the trials, one after the other.
-    fn seeds(&self) -> Result<Vec<u64>, Failure> {
-        let last = self.seed.checked_add(u64::from(self.trials) - 1);
-        let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
-        Ok((self.seed..=last).collect())
-    }
 }
 
 /// A study by its name, which shells complete.
 fn study() -> impl TypedValueParser<Value = &'static Study> {
     let choices = STUDIES.iter().map(|study| PossibleValue::new(study.name).help(study.about));
-    PossibleValuesParser::new(choices).try_map(|name| {
-        STUDIES.iter().copied().find(|study| study.name == name).ok_or("there is no such study")
-    })
+    PossibleValuesParser::new(choices).try_map(|name| Study::of_name(&name).ok_or("there is no such study"))
 }
 
-/// A policy that the study `claims` knows.
-fn policy(name: &str) -> Result<PolicyName, String> {
-    let found = CLAIMS_POLICIES.into_iter().find(|policy| policy.to_string() == name);
-    found.ok_or_else(|| "give one of random and stages".to_string())
-}
-
-/// A case of the study `calibration`.
-fn case() -> impl TypedValueParser<Value = Fault> {
-    let names = Fault::ALL.iter().map(|case| case.name());
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<Fault>())
-}
-
-/// A way to learn of the study `bodies`.
-fn way() -> impl TypedValueParser<Value = &'static str> {
-    PossibleValuesParser::new(WAYS)
-        .try_map(|name| WAYS.into_iter().find(|way| *way == name).ok_or("there is no such way"))
-}
-
-pub fn run(args: &StudyArguments, given: Arguments) -> Outcome {
-    let bars = Bars::default();
-    let asked = AskedStudy::new(args, &bars)?;
-    if let (Some(share), Some(folder)) = (args.shard, &args.out) {
-        return shares::make(&asked, share, folder, given, &bars);
+pub fn run(args: &StudyArguments) -> Outcome {
+    match (&args.command, &args.study) {
+        (Some(StudyCommand::Generate(args)), _) => generate::run(args),
+        (Some(StudyCommand::Gallery(args)), _) => gallery::run(args),
+        (Some(StudyCommand::Merge(args)), _) => merge::run(args),
+        (None, Some(args)) => in_threads(args.jobs, || args.run()),
+        (None, None) => Err("name a study: `bodyschema study --help` lists them".into()),
     }
-    let study = args.name;
-    let numbered = |k: u32| match k {
-        1 => Path::new("studies").join(study.name),
-        _ => Path::new("studies").join(format!("{}-{k}", study.name)),
-    };
-    let lock = free_folder(args.out.as_deref(), args.force, "study", &conclusion::FILES, numbered)?;
-    let mut left = Vec::new();
-    asked.run(&asked.seeds, &mut |_, trial| {
-        left.push(trial);
+}
+
+/// Runs something on so many threads.
+fn in_threads(jobs: Option<u16>, run: impl FnOnce() -> Outcome + Send) -> Outcome {
+    match jobs {
+        None => run(),
+        Some(jobs) => rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build()?.install(run),
+    }
+}
+
+impl RunArguments {
+    fn run(&self) -> Outcome {
+        let run = self.prepared()?;
+        let made = |share: Share| StudyShare {
+            share: share.to_string(),
+            command: output::command_line(),
+            asked: run.asked().clone(),
+        };
+        if let (Some(share), Some(folder)) = (self.shard, &self.out) {
+            return self.make_share(&run, &made(share), share, folder);
+        }
+        let share = made(Share::WHOLE);
+        let lock = self.folder(&share)?;
+        let trials = lock.place().join(TRIALS_FOLDER);
+        fs::create_dir_all(&trials).map_err(output::not_written(&trials))?;
+        make(&run, &share, &trials)?;
+        save(&MadeTrials::whole(share, &trials).findings()?, &lock, self.json)?;
+        Ok(fs::remove_dir_all(&trials).map_err(output::not_written(&trials))?)
+    }
+
+    /// The study made ready.
+    fn prepared(&self) -> Result<StudyRun, Failure> {
+        let study = self.name;
+        let options = StudyOptions {
+            trials: self.trials,
+            seed: self.seed,
+            cases: self.cases.clone(),
+            touches: self.touches,
+            seconds: self.seconds,
+            session: self.session.clone(),
+        };
+        let creature = if study.of == Studied::Generated {
+            let given = [
+                (self.model != Path::new(MAX), "the model"),
+                (self.joints.is_some(), "--joints"),
+                (self.open.root.is_some(), "--root"),
+            ];
+            if let Some((_, what)) = given.into_iter().find(|(given, _)| *given) {
+                let name = study.name;
+                return Err(Failure(format!(
+                    "study {name} makes what it is of by its seeds: leave out {what}"
+                )));
+            }
+            None
+        } else {
+            is_there(&self.model, &format!("study {}", study.name))?;
+            Some(embodied(self.open.source(&self.model, self.joints.clone().unwrap_or_default()))?)
+        };
+        Ok(StudyRun::new(study, options, creature)?)
+    }
+
+    /// The folder of a study that is made whole: the one named, else the first that is free, or holds the beginning of this
+    /// very study.
+    fn folder(&self, share: &StudyShare) -> Result<FolderLock, Failure> {
+        let numbered = |k: u32| match k {
+            1 => Path::new("studies").join(self.name.name),
+            _ => Path::new("studies").join(format!("{}-{k}", self.name.name)),
+        };
+        let is_begun = |folder: &PathBuf| {
+            let begun = StudyShare::read(&folder.join(TRIALS_FOLDER));
+            !folder.join(STUDY_FILE).exists() && begun.is_ok_and(|begun| begun.asked == share.asked)
+        };
+        let begun = || (1..).map(numbered).take_while(|folder| folder.exists()).find(is_begun);
+        let out = self.out.clone().or_else(begun);
+        let lock = match free_folder(out.as_deref(), self.force, "study", &FILES, numbered) {
+            Ok(lock) => lock,
+            Err(failure) => {
+                out.iter().for_each(|folder| sweep(folder));
+                return Err(failure);
+            }
+        };
+        let trials = lock.place().join(TRIALS_FOLDER);
+        if StudyShare::is_in(&trials) && !is_begun(&lock.place().to_path_buf()) && self.force.is_given() {
+            fs::remove_dir_all(&trials).map_err(output::not_written(&trials))?;
+        }
+        Ok(lock)
+    }
+
+    /// Makes the trials of a share that are missing.
+    fn make_share(&self, run: &StudyRun, made: &StudyShare, share: Share, folder: &Path) -> Outcome {
+        let lock = take_share(folder, share, STUDY_FILE)?;
+        let place = lock.folder();
+        make(run, made, place)?;
+        let count = made.seeds().len();
+        if self.json {
+            return output::json(&json!({"share": share.to_string(), "trials": count, "folder": place}));
+        }
+        let trials = if count == 1 { "trial" } else { "trials" };
+        say!("share {share}: {count} {trials}, in {}", place.display());
+        say!("next, when all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
         Ok(())
-    })?;
-    bars.phase(Phase::Done);
-    let (findings, seconds) = asked.conclude(&left)?;
-    conclusion::save_and_print(&asked, &lock, &findings, seconds)
+    }
+}
+
+/// Removes what a process left that was killed when all was done.
+fn sweep(folder: &Path) {
+    let trials = folder.join(TRIALS_FOLDER);
+    if folder.join(STUDY_FILE).exists() && trials.exists() && FolderLock::take(folder).is_ok() {
+        let _ = fs::remove_dir_all(trials);
+    }
+}
+
+/// Makes the trials of a share that are missing in its folder.
+fn make(run: &StudyRun, share: &StudyShare, folder: &Path) -> Outcome {
+    let (all, missing) = (share.seeds().len(), share.missing(folder).len());
+    if missing == 0 {
+        tell!("{} is complete: nothing is left to do", folder.display());
+    } else if missing < all {
+        tell!("{}: {} of {all} trials are there; going on", folder.display(), all - missing);
+    }
+    let bar: ProgressBar = progress::steps(all as u64);
+    bar.set_position((all - missing) as u64);
+    bar.set_message(format!("trials of {}", run.asked().study));
+    share.make(run, folder, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Writes findings into a folder, all at once, and prints them.
+fn save(findings: &Findings, lock: &FolderLock, as_json: bool) -> Outcome {
+    let place = lock.place().to_path_buf();
+    let result = findings.to_json(&place);
+    let folder = lock.part()?;
+    output::file(&folder.join(STUDY_FILE), format!("{}\n", serde_json::to_string_pretty(&result)?))?;
+    output::file(&folder.join(TABLE_FILE), findings.table().to_csv()?)?;
+    lock.commit()?;
+    if as_json {
+        return output::json(&result);
+    }
+    findings.lines().iter().for_each(|line| say!("{line}"));
+    say!("{TABLE_FILE} and {STUDY_FILE} are in {}", place.display());
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::difference;
+use super::ShareRecord;
 use crate::babbling::{BoutsDone, Made};
 use crate::session::babbling::{check_same, new_session};
 use crate::session::{
@@ -44,7 +44,7 @@ impl<'a> BabblingShare<'a> {
         session.options.share = Some(share.to_string());
         let (log, bouts) = if folder.join(SESSION_FILE).exists() {
             let there = Session::read(&folder)?;
-            check_share(&folder, &there, &session)?;
+            there.check(&folder, &session)?;
             check_same(&there, embodied, &folder)?;
             if there.effort.is_some() {
                 return Ok(None);
@@ -106,24 +106,6 @@ impl<'a> BabblingShare<'a> {
         session.effort = Some(BabblingEffort { touches: Some(done.touches), ..effort });
         session.write(&folder)?;
         Ok(session)
-    }
-}
-
-/// Whether what is in a share's folder is the share that is to be made.
-fn check_share(folder: &Path, there: &Session, asked: &Session) -> Result<(), ExperimentError> {
-    let file = folder.join(SESSION_FILE);
-    if there.options.share != asked.options.share {
-        let reason = "it is no share's: give another folder with --out";
-        return Err(ExperimentError::unfit(&file, reason));
-    }
-    match difference(there, asked) {
-        None => Ok(()),
-        Some(difference) => Err(ExperimentError::unfit(
-            &file,
-            format!(
-                "it is the share of another session than the one asked for ({difference}): give another folder with --out"
-            ),
-        )),
     }
 }
 

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::difference;
 use super::making::check_bouts;
+use super::{Unready, made_shares};
 use crate::agent::Agent;
 use crate::babbling::RecordedBout;
 use crate::session::ExperimentError;
@@ -23,78 +23,25 @@ pub struct BabbledShares {
     spent: Duration,
 }
 
-/// Shares that have to be made before they can be put together.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Unready {
-    /// Those that were not begun, or of which nothing is left.
-    pub missing: Vec<Share>,
-    /// Those that were interrupted, or are being made.
-    pub unfinished: Vec<Share>,
-    /// How one that was begun was asked for, word by word; none where that was not kept.
-    pub command: Vec<String>,
-}
-
-impl Unready {
-    /// All of them, in their order.
-    pub fn all(&self) -> Vec<Share> {
-        let mut all: Vec<Share> = self.missing.iter().chain(&self.unfinished).copied().collect();
-        all.sort_unstable();
-        all
-    }
-}
-
 impl BabbledShares {
     /// The shares in a folder, if all are made; else which are not.
     ///
     /// # Errors
     /// Where a file cannot be read, or the shares are not all of one session.
     pub fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, ExperimentError> {
-        let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
-        let (mut first, mut folders): (Option<(PathBuf, Session)>, _) = (None, BTreeMap::new());
-        let mut spent = Duration::ZERO;
-        for (share, folder) in shares.begun() {
-            // One that was killed at once has none yet.
-            if !folder.join(SESSION_FILE).exists() {
-                unready.missing.push(share);
-                continue;
-            }
-            let session = Session::read(folder)?;
-            let file = folder.join(SESSION_FILE);
-            if session.options.share != Some(share.to_string()) {
-                let reason =
-                    format!("it is not of share {share}: move it where it belongs, or make that share again");
-                return Err(ExperimentError::unfit(&file, reason));
-            }
-            match session.effort {
-                None => unready.unfinished.push(share),
-                Some(effort) => {
-                    let babbled = Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default();
-                    spent = spent.saturating_add(babbled);
-                }
-            }
-            match &first {
-                None => {
-                    unready.command.clone_from(&session.command);
-                    first = Some((folder.to_path_buf(), session));
-                }
-                Some((other, one)) => {
-                    if let Some(difference) = difference(one, &session) {
-                        let reason = format!(
-                            "it is not of the session that {} is of ({difference}): make one of them again",
-                            other.display()
-                        );
-                        return Err(ExperimentError::unfit(&file, reason));
-                    }
-                }
-            }
-            folders.insert(share, folder.to_path_buf());
-        }
-        Ok(match first {
-            Some((_, session)) if unready.all().is_empty() => {
-                Ok(BabbledShares { of: shares.of(), session, folders, spent })
-            }
-            _ => Err(unready),
-        })
+        let made = match made_shares::<Session>(shares)? {
+            Ok(made) => made,
+            Err(unready) => return Ok(Err(unready)),
+        };
+        let effort = made.iter().filter_map(|(_, _, session)| session.effort);
+        let spent = effort.map(|effort| Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default());
+        let spent = spent.fold(Duration::ZERO, Duration::saturating_add);
+        let folders = made.iter().map(|(share, folder, _)| (*share, folder.clone())).collect();
+        // Without a share there is nothing to find.
+        let session = made.into_iter().next().map(|(_, _, session)| session);
+        Ok(session
+            .map(|session| BabbledShares { of: shares.of(), session, folders, spent })
+            .ok_or_else(Unready::default))
     }
 
     /// The session that they are of, as one of them has it.

@@ -5,13 +5,11 @@
 
 mod mark;
 mod ruler;
-mod study;
 
 use std::fmt::Write;
 
 pub use mark::{ChartGroup, ChartMark, Ink};
 pub use ruler::{Ruler, Scale};
-pub use study::study_chart;
 
 use super::text::escape;
 

@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use bodyschema::agent::Agent;
 use bodyschema::record::{
     BabblingProgress, BoutLine, BoutLog, FiringWriter, LearningRecord, Session, SpaceRecord, SpaceSlice,
-    StudyShare, read_bouts, read_calibration_log, read_creature, read_firings, read_known,
-    read_learning_table, read_map, read_predictions, read_recording, read_robot, read_schema_with_std,
-    read_touches, write_map,
+    read_bouts, read_calibration_log, read_creature, read_firings, read_known, read_learning_table, read_map,
+    read_predictions, read_recording, read_robot, read_schema_with_std, read_touches, write_map,
 };
 use bodyschema::senses::Firing;
 use bodyschema::simulation::partner::Script;
 use bodyschema::skin::SomatotopicMap;
+use bodyschema::study::{Asked, StudyOptions, StudyShare};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -293,10 +293,15 @@ impl Yard {
         let share = StudyShare {
             share: "3/16".into(),
             command: ["bodyschema", "study", "learners", "--shard", "3/16"].map(String::from).to_vec(),
-            arguments: [("trials".to_string(), vec!["40".to_string()])].into(),
-            common: serde_json::json!({"study": "learners", "options": {"trials": 40, "seed": 7}}),
+            asked: Asked {
+                study: "learners".into(),
+                program: "bodyschema".into(),
+                engine: "2.2.2".into(),
+                options: StudyOptions { trials: 40, seed: 7, ..StudyOptions::default() },
+                creature: None,
+            },
         };
-        share.write(&folder).unwrap();
+        fs::write(folder.join("study-share.json"), serde_json::to_string_pretty(&share).unwrap()).unwrap();
         let good = fs::read(folder.join("study-share.json")).unwrap();
         let read = |path: &Path| taken(StudyShare::read(within(path)));
         add("share of a study", "study-share.json", &good, 2, Box::new(read));

@@ -1,0 +1,335 @@
+//! `bodyschema study gallery`: many bodies, each babbled and measured by a process of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::cli::ends_with::ENDS_WITH;
+use crate::cli::folders::{Force, free_folder};
+use crate::cli::{Failure, Outcome, output, progress};
+
+/// The page that the gallery is.
+const PAGE_FILE: &str = "gallery.md";
+/// The same for programs.
+const TABLE_FILE: &str = "gallery.json";
+/// How the page begins.
+const HEADING: &str = "# Gallery
+
+Touches and seconds are of the sessions by receptors: the median, and in parentheses the most. The worst is the greatest error of
+located skin, in another limb's frame, over random postures.
+
+| | body | joints, DOF | receptors | touches | seconds | by receptors | by contact points |
+|---|---|---|---|---|---|---|---|
+";
+/// Width and height of a picture, pixels.
+const PICTURE: &str = "320x240";
+/// A claim is not wrong by less than this, millimetres, …
+const NEGLIGIBLE_MM: f64 = 1.0;
+/// … nor if all errors are, in the root mean square, so many times as large as noise makes them at least.
+const BY_NOISE: f64 = 2.0;
+/// What touches report, in the order of the table's columns.
+const INPUTS: [&str; 2] = ["receptor", "contact"];
+/// What is kept of what `inspect --json` prints, …
+const OF_LOOK: [&str; 4] = ["creature", "joints", "dof", "receptors"];
+/// … and `babble --json`.
+const OF_SESSION: [&str; 8] = [
+    "touches",
+    "converged",
+    "reason",
+    "undetermined",
+    "undetermined_limbs",
+    "changes",
+    "determined_mm",
+    "bound_mm",
+];
+
+/// Babble many bodies, one after the other, and put what came of each on a page with its picture.
+///
+/// Each body is inspected, drawn, and babbled by receptors and by contact points, so often, with default options. A claim is
+/// compared with the model: what is not named must be right. What cannot be read, cannot touch itself, or is not learned is
+/// reported in its row, in the program's own words.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema study gallery mjcf/hexapod/hexapod.xml mjcf/snake/snake.xml --trials 1 --out bodies    # takes minutes
+  bodyschema study gallery mjcf/*/*.xml --trials 3 --out bodies    # takes minutes")]
+pub struct GalleryArguments {
+    /// MJCF files of creatures
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
+    /// Sessions by each input, with seeds of their own
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    trials: u16,
+    /// Seed of the first trial; the next ones count on from it
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The gallery's folder
+    #[arg(long, short, value_name = "DIR", default_value = "gallery", help_heading = "Output")]
+    out: PathBuf,
+    #[command(flatten)]
+    force: Force,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
+
+/// A body with its sessions.
+#[derive(Serialize)]
+struct Body {
+    name: String,
+    model: PathBuf,
+    /// What is known of it before it moves; the sentence of a refusal if it is refused.
+    looked: Result<Value, String>,
+    /// The limbs that can touch others.
+    #[serde(skip)]
+    touching: Vec<Value>,
+    picture: Option<String>,
+    trials: Vec<Trial>,
+}
+
+/// A session.
+#[derive(Serialize)]
+struct Trial {
+    input: &'static str,
+    seed: u64,
+    seconds: f64,
+    /// What came of it; the sentence of a refusal if nothing did.
+    came: Result<Value, String>,
+}
+
+pub fn run(args: &GalleryArguments) -> Outcome {
+    let last = args.seed.checked_add(u64::from(args.trials) - 1);
+    let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
+    let files = [PAGE_FILE, TABLE_FILE];
+    let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
+    let out = lock.folder().to_path_buf();
+    let sessions = lock.scratch()?;
+    let bar = progress::steps(args.models.len() as u64);
+    let mut bodies = Vec::new();
+    let table = |bodies: &Vec<Body>| json!({ "seed": args.seed, "trials": args.trials, "bodies": bodies });
+    for model in &args.models {
+        bar.set_message(model.display().to_string());
+        bodies.push(Body::new(model, args.seed..=last, &out, &sessions)?);
+        // Written after every body: nothing is lost if it is interrupted.
+        let text = format!("{}\n", serde_json::to_string_pretty(&table(&bodies))?);
+        output::file(&out.join(TABLE_FILE), text)?;
+        output::file(&out.join(PAGE_FILE), page(&bodies))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    lock.commit()?;
+    if args.json {
+        return output::json(&table(&bodies));
+    }
+    say!("{}", page(&bodies).trim_end());
+    say!("\n{PAGE_FILE}, {TABLE_FILE} and the pictures are in {}", args.out.display());
+    Ok(())
+}
+
+/// The page: a row per body, and the command that made it.
+fn page(bodies: &[Body]) -> String {
+    let rows: String = bodies.iter().map(Body::line).collect();
+    format!("{HEADING}{rows}\n```text\n{}\n```\n", output::command_line().join(" "))
+}
+
+/// This program, to be run again.
+fn itself() -> Result<Command, Failure> {
+    let program = std::env::current_exe().map_err(|error| {
+        Failure(format!("the program does not find itself ({error}): call it by its path"))
+    })?;
+    let mut command = Command::new(program);
+    command.stdin(Stdio::null()).env(ENDS_WITH, std::process::id().to_string());
+    Ok(command)
+}
+
+/// What a command printed as JSON, or the sentence in which it refused.
+fn printed(command: &mut Command) -> Result<Result<Value, String>, Failure> {
+    let output = command.output().map_err(|error| {
+        Failure(format!(
+            "the program cannot be run again ({error}): see that there are processes and memory left"
+        ))
+    })?;
+    if output.status.success() {
+        return Ok(Ok(serde_json::from_slice(&output.stdout)?));
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let last = said.trim().lines().last().unwrap_or_default();
+    let sentence = last.strip_prefix("bodyschema: ").unwrap_or(last).to_string();
+    Ok(Err(if sentence.is_empty() { format!("it ended with {}", output.status) } else { sentence }))
+}
+
+/// Some fields of an object.
+fn fields(of: &Value, names: &[&str]) -> Value {
+    names.iter().map(|&name| (name.to_string(), of[name].clone())).collect::<serde_json::Map<_, _>>().into()
+}
+
+impl Body {
+    /// Inspects a body, draws it, and lets it babble.
+    fn new(
+        model: &Path,
+        seeds: impl Iterator<Item = u64> + Clone,
+        out: &Path,
+        sessions: &Path,
+    ) -> Result<Body, Failure> {
+        let name = model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let looked = printed(itself()?.arg("inspect").arg("--json").arg("--").arg(model))?;
+        let pairs = looked.as_ref().ok().and_then(|looked| looked["limb_pairs"].as_array());
+        let touching = pairs.into_iter().flatten().filter(|pair| pair["relation"] == "touch");
+        let touching = touching.flat_map(|pair| pair["limbs"].as_array()).flatten().cloned().collect();
+        let looked = looked.map(|looked| fields(&looked, &OF_LOOK));
+        let mut body =
+            Body { name, model: model.into(), looked, touching, picture: None, trials: Vec::new() };
+        if body.looked.is_err() {
+            return Ok(body);
+        }
+        let picture = format!("{}.png", body.name);
+        let mut draw = itself()?;
+        draw.arg("render").arg(model).args(["--size", PICTURE, "--out"]).arg(out.join(&picture));
+        body.picture = draw.output().is_ok_and(|drawn| drawn.status.success()).then_some(picture);
+        for (input, seed) in INPUTS.iter().flat_map(|input| seeds.clone().map(move |seed| (input, seed))) {
+            let session = sessions.join(format!("{}-{input}-{seed}", body.name));
+            let began = Instant::now();
+            let mut babble = itself()?;
+            babble.args([
+                "babble",
+                "--quiet",
+                "--json",
+                "--input",
+                input,
+                "--seed",
+                &seed.to_string(),
+                "--out",
+            ]);
+            let came = printed(babble.arg(&session).arg("--").arg(model))?;
+            let _ = std::fs::remove_dir_all(&session);
+            let came = came.map(|came| fields(&came, &OF_SESSION));
+            body.trials.push(Trial { input, seed, seconds: began.elapsed().as_secs_f64(), came });
+        }
+        Ok(body)
+    }
+
+    /// Its row of the page.
+    fn line(&self) -> String {
+        let name = &self.name;
+        let looked = match &self.looked {
+            Ok(looked) => looked,
+            Err(sentence) => return format!("| | {name} | | | | | {sentence} | |\n"),
+        };
+        let picture = self.picture.as_ref().map_or(String::new(), |file| format!("![{name}]({file})"));
+        let by = |input: &str| self.trials.iter().filter(|trial| trial.input == input).collect::<Vec<_>>();
+        let [receptors, points] = INPUTS.map(by);
+        let touches = receptors.iter().filter_map(|trial| trial.came.as_ref().ok()?["touches"].as_f64());
+        let seconds = receptors.iter().map(|trial| trial.seconds);
+        format!(
+            "| {picture} | {name} | {}, {} | {} | {} | {} | {} | {} |\n",
+            looked["joints"],
+            looked["dof"],
+            looked["receptors"],
+            spread(touches),
+            spread(seconds),
+            self.verdict(&receptors),
+            self.verdict(&points)
+        )
+    }
+
+    /// What came of some sessions, in words.
+    fn verdict(&self, trials: &[&Trial]) -> String {
+        let came: Vec<&Value> = trials.iter().filter_map(|trial| trial.came.as_ref().ok()).collect();
+        let refusals = trials.iter().filter_map(|trial| trial.came.as_ref().err());
+        let mut words: Vec<String> = refusals.take(1).map(|sentence| reason(sentence)).collect();
+        let (learned, not): (Vec<&Value>, Vec<&Value>) =
+            came.iter().partition(|came| came["converged"] == true);
+        if !learned.is_empty() {
+            let worst = learned.iter().filter_map(|came| came["determined_mm"]["max"].as_f64());
+            let worst = worst.fold(f64::NAN, f64::max);
+            let named = |came: &&Value| {
+                let limbs = came["undetermined_limbs"].as_array().into_iter().flatten();
+                limbs.filter(|limb| self.touching.contains(limb)).count()
+            };
+            let of =
+                if not.is_empty() { String::new() } else { format!(" {} of {}", learned.len(), came.len()) };
+            let except = match learned.iter().map(named).max().unwrap_or(0) {
+                0 => String::new(),
+                1 => ", but for 1 limb".to_string(),
+                many => format!(", but for {many} limbs"),
+            };
+            let changed = |came: &&Value| came["changes"].as_array().is_some_and(|all| !all.is_empty());
+            let changes = if learned.iter().any(changed) { ", CHANGED" } else { "" };
+            let wrong = if learned.iter().any(|came| is_wrong(came)) { " WRONG" } else { "" };
+            words.push(format!("learned{of}{except}; worst {} mm{wrong}{changes}", short(worst)));
+        }
+        if let Some(why) = not.first().and_then(|came| came["reason"].as_str()) {
+            words.push(format!("not learned: {}", reason(why)));
+        }
+        words.join("; ")
+    }
+}
+
+/// A sentence without the file that it begins with.
+fn reason(sentence: &str) -> String {
+    let (file, rest) = sentence.split_once(": ").unwrap_or(("", sentence));
+    let reason = if Path::new(file).extension().is_some() { rest } else { sentence };
+    reason.replace('|', "/")
+}
+
+/// Whether any claim of a session is off by more than matters, and by more than noisy senses make up for.
+fn is_wrong(came: &Value) -> bool {
+    let worst = came["determined_mm"]["max"].as_f64().unwrap_or(0.0);
+    let ratio = came["bound_mm"]["ratio"].as_f64().unwrap_or(f64::INFINITY);
+    worst > NEGLIGIBLE_MM && ratio > BY_NOISE
+}
+
+/// The median of some numbers, and in parentheses the greatest if it is another.
+fn spread(numbers: impl Iterator<Item = f64>) -> String {
+    let mut numbers: Vec<f64> = numbers.collect();
+    numbers.sort_by(f64::total_cmp);
+    let Some(greatest) = numbers.last() else { return "–".to_string() };
+    let [middle, greatest] = [numbers[numbers.len() / 2], *greatest].map(|number| format!("{number:.0}"));
+    if middle == greatest { middle } else { format!("{middle} ({greatest})") }
+}
+
+/// A number of millimetres to two digits.
+fn short(millimetres: f64) -> String {
+    match millimetres {
+        none if none.is_nan() => "–".to_string(),
+        tiny if tiny < 1e-3 => "< 0.001".to_string(),
+        small if small < 0.1 => format!("{small:.3}"),
+        other => format!("{other:.2}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_told_shortly() {
+        assert_eq!(spread([3.0, 1.0, 2.0].into_iter()), "2 (3)");
+        assert_eq!(spread([2.0].into_iter()), "2");
+        assert_eq!(spread([].into_iter()), "–");
+        assert_eq!([f64::NAN, 1e-9, 0.0123, 4.567].map(short), ["–", "< 0.001", "0.012", "4.57"]);
+    }
+
+    #[test]
+    fn a_claim_that_is_off_is_said_to_be_wrong_and_what_touches_nothing_is_not_named() {
+        let body = Body {
+            name: "c".into(),
+            model: "c.xml".into(),
+            looked: Ok(Value::Null),
+            touching: vec!["arm".into(), "leg".into()],
+            picture: None,
+            trials: Vec::new(),
+        };
+        let trial = |came: Result<Value, String>| Trial { input: "receptor", seed: 1, seconds: 1.0, came };
+        let came = |max: f64, limbs: &[&str]| {
+            trial(Ok(json!({"converged": true, "undetermined_limbs": limbs, "determined_mm": {"max": max}})))
+        };
+        let [right, wrong] = [came(0.02, &["leg", "eye"]), came(12.5, &[])];
+        assert_eq!(body.verdict(&[&right]), "learned, but for 1 limb; worst 0.020 mm");
+        assert!(body.verdict(&[&right, &wrong]).ends_with("worst 12.50 mm WRONG"));
+        let refused = trial(Err("a.xml: no touch | at all".into()));
+        assert_eq!(body.verdict(&[&refused]), "no touch / at all");
+    }
+}

@@ -1,0 +1,131 @@
+//! `bodyschema study merge`: puts together what several processes made.
+
+use std::path::{Path, PathBuf};
+
+use super::{FILES, save};
+use crate::cli::again::with_option;
+use crate::cli::babbling::Prepared;
+use crate::cli::folders::{Force, free_folder, session_folder, written_session};
+use crate::cli::resume::{args_of, finish};
+use crate::cli::{Failure, Outcome, output};
+use crate::session::{
+    BabbledShares, BabblingSession, FolderLock, Provenance, ResumedSession, SESSION_FILE, STUDY_FILE,
+    Session, ShareRecord, Shares, Unready,
+};
+use crate::share::Share;
+use crate::study::{MadeTrials, StudyShare};
+use crate::view::text::shell_words;
+
+/// Put together the shares of a session or of a study.
+///
+/// The shares were made with `babble … --shard 1/16 --out DIR` and so on, or `study … --shard`, each by a process of its
+/// own. The log of touches, or the table of the study, becomes byte for byte the one that a single process would have
+/// written; from the log the body schema is learned as `babble` does. Shares that are missing or were interrupted are named, and
+/// only they are to be made again. Can be called again at any time: it goes on where it was interrupted.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  bodyschema study merge sessions/big
+  bodyschema study merge sessions/big --missing      # the numbers of shares that are to be made, as in 4,7
+See docs/many.md for scripts that make all shares by Slurm, GNU parallel or HyperQueue.")]
+pub struct MergeArguments {
+    /// The folder that was given to all shares with --out
+    folder: PathBuf,
+    /// Only print the numbers of the shares that are missing or were interrupted, separated by commas
+    #[arg(long)]
+    missing: bool,
+    /// Threads; they change nothing but the time [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
+
+pub fn run(args: &MergeArguments) -> Outcome {
+    let shares = Shares::find(&args.folder)?;
+    if shares.begun().any(|(_, folder)| StudyShare::is_in(folder)) {
+        return match MadeTrials::of_shares(&shares)? {
+            Ok(trials) if !args.missing => study(args, trials),
+            found => tell_unready(args, found.err()),
+        };
+    }
+    match BabbledShares::find(&shares)? {
+        Ok(shares) if !args.missing => session(args, &shares),
+        found => tell_unready(args, found.err()),
+    }
+}
+
+/// Tells which shares are not made, if any: as it was asked for, or as what keeps them from being put together.
+fn tell_unready(args: &MergeArguments, unready: Option<Unready>) -> Outcome {
+    let unready = unready.unwrap_or_default();
+    if !args.missing {
+        return Err(refusal(&args.folder, &unready));
+    }
+    let numbers: Vec<String> = unready.all().iter().map(|share| share.number().to_string()).collect();
+    say!("{}", numbers.join(","));
+    Ok(())
+}
+
+/// Puts a study together.
+fn study(args: &MergeArguments, trials: MadeTrials) -> Outcome {
+    let folder = &args.folder;
+    if folder.join(STUDY_FILE).exists() {
+        // One who was killed when all was done left nothing to do but this.
+        drop(FolderLock::take(folder)?);
+        tell!("{} is complete: nothing is left to do", folder.display());
+        return Ok(());
+    }
+    let findings = trials.findings()?;
+    let lock = free_folder(Some(folder), Force::default(), "study", &FILES, |_| folder.clone())?;
+    save(&findings, &lock, args.json)
+}
+
+/// Puts a session together.
+fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
+    let folder = &args.folder;
+    let mut babble = args_of(shares.session(), folder)?;
+    (babble.jobs, babble.json, babble.out) = (args.jobs, args.json, Some(folder.clone()));
+    let prepared = Prepared::new(&babble)?;
+    if !folder.join(SESSION_FILE).exists() {
+        let lock = session_folder(Some(folder), "", Force::default())?;
+        let asked = shares.session().options.asked.clone();
+        let provenance = Provenance { command: output::command_line(), asked };
+        let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
+        return prepared.put_together(&babble, lock, session, shares);
+    }
+    let lock = written_session(folder)?;
+    let session = Session::read(folder)?;
+    match BabblingSession::resume(&prepared.embodied, &prepared.setup, &lock, session)? {
+        ResumedSession::Babbling(session) => prepared.put_together(&babble, lock, *session, shares),
+        ResumedSession::Babbled(babbled) => finish(&prepared, &babble, lock, &babbled),
+    }
+}
+
+/// What is to be done before shares can be put together.
+fn refusal(folder: &Path, unready: &Unready) -> Failure {
+    let all = unready.all();
+    let what = [("missing", &unready.missing), ("not finished", &unready.unfinished)];
+    let what = what.into_iter().filter(|(_, shares)| !shares.is_empty());
+    let what: Vec<String> = what.map(|(how, shares)| format!("{how}: {}", named(shares))).collect();
+    let how = match all.first() {
+        Some(first) if !unready.command.is_empty() => {
+            format!(": `{}`", with_share(&unready.command, *first))
+        }
+        _ => " again".into(),
+    };
+    let rest = if all.len() > 1 { ", and so on" } else { "" };
+    Failure(format!("{}: of its shares some are {}: make them{how}{rest}", folder.display(), what.join("; ")))
+}
+
+/// Shares by their names, not all of very many.
+fn named(shares: &[Share]) -> String {
+    const MOST: usize = 10;
+    let names: Vec<String> = shares.iter().take(MOST).map(Share::to_string).collect();
+    let more = shares.len().saturating_sub(MOST);
+    if more > 0 { format!("{} and {more} more", names.join(", ")) } else { names.join(", ") }
+}
+
+/// A command line that made some share, for another.
+fn with_share(command: &[String], share: Share) -> String {
+    shell_words(&with_option(command, "--shard", Some(&share.to_string())))
+}

@@ -1,0 +1,338 @@
+//! What each learner makes of bodies that nobody designed: a benchmark, and the widest test that the learners get.
+//!
+//! A trial is a seed: of the body, its touches and its initial guesses. A body that is refused, touches nothing, or makes a
+//! learner panic is a row that says so.
+
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use serde_json::json;
+
+use super::generated::GeneratedBody;
+use super::{By, Column, Row, Studied, Study, Trial};
+use crate::babbling::{BabblingError, BabblingOptions, PolicyName};
+use crate::deadline::{Deadline, Tally, apart, count};
+use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
+use crate::learning::growth::Growth;
+use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
+use crate::learning::{Input, Learned, LengthUnit, Verdict, Z95};
+use crate::mujoco::Model;
+use crate::senses::Touch;
+use crate::session::touches::all_touches;
+use crate::session::{CreatureFault, Embodied, ExperimentError, LearningOptions, ModelSource};
+use crate::simulation::{MotionName, SimulationError};
+
+pub(super) const STUDY: Study = Study {
+    name: "bodies",
+    about: "what each learner makes of bodies that are drawn at random, and whether anything is claimed wrongly",
+    of: Studied::Generated,
+    touches: Some(1000),
+    seconds: Some(50.0),
+    cases: || WAYS.map(String::from).into(),
+    columns: &[
+        Column::new("way", &[By::Case]),
+        Column::new("family", &[By::Part]),
+        Column::new("seed", &[]),
+        Column::new("limb_m", &[]),
+        Column::new("limbs", &[]),
+        Column::new("dof", &[]),
+        Column::new("hinges", &[]),
+        Column::new("slides", &[]),
+        Column::new("balls", &[]),
+        Column::new("locked", &[]),
+        Column::new("spins", &[]),
+        Column::new("followers", &[]),
+        Column::new("skew", &[]),
+        Column::new("policy", &[]),
+        Column::new("touches", &[]),
+        Column::new("outcome", &[]),
+        Column::new("touched", &[By::Sum]),
+        Column::new("refused", &[By::Sum]),
+        Column::new("whole", &[By::Sum]),
+        Column::new("learned", &[By::Sum]),
+        Column::new("learned_partly", &[By::Sum]),
+        Column::new("not_learned", &[By::Sum]),
+        Column::new("late", &[By::Sum]),
+        Column::new("joints", &[]),
+        Column::new("joints_named", &[]),
+        Column::new("heldout_mm", &[]),
+        Column::new("worst_heldout_mm", &[]),
+        Column::new("heldout_percent", &[By::Median]),
+        Column::new("right", &[]),
+        Column::new("pairs", &[By::Sum]),
+        Column::new("claims", &[By::Sum]),
+        Column::new("wrong", &[By::Sum]),
+        Column::new("worst_mm", &[]),
+        Column::new("worst_deviations", &[]),
+        Column::new("work_s", &[By::Median]),
+        Column::new("reason", &[]),
+        Column::new("command", &[]),
+    ],
+    notes: &[
+        "whole: bodies of which 95 % of all held-out points are off by at most 1 % of the typical limb's length, whatever the \
+         learner says; right: the share of these points. learned, learned_partly, not_learned: what the learner says; gradient \
+         and hersch make no judgement and claim nothing.",
+        "A claim is that the skin of two limbs is located in each other's frames. It is wrong if held-out skin is off by more \
+         than 0.1 mm (on bodies much smaller or larger than a person, by more than its share) and 5 of its own standard \
+         deviations.",
+        "default: as `bodyschema babble BODY` learns, by stages and growth if that suits the body; the others learn from the \
+         same touches at random. late: the work that a way may take was spent before all was done. The column command of the \
+         table makes a row's session again.",
+    ],
+    run,
+};
+
+/// The ways to learn: as the program does by default, and each learner from touches at random.
+const WAYS: [&str; 4] = ["default", "lm", "gradient", "hersch"];
+/// Touches by stages, which end when all is known, at most, in units of those at random.
+const STAGED: usize = 4;
+/// The share of a way's work after which no touches are made, and that after which no more explanations are tried.
+const BABBLING: f64 = 0.65;
+const LEARNING: f64 = 0.85;
+/// Skin that is off by no more than this share of the typical limb's length is right: a task would hardly notice.
+const RIGHT: f64 = 0.01;
+/// The share of held-out points that are right on a body that is learned by the truth's measure.
+const WHOLE: f64 = 0.95;
+/// A claim is not wrong by less than this on a body of a person's size, millimetres: too little to matter to any task.
+const NEGLIGIBLE_MM: f64 = 0.1;
+/// A claim is not wrong by fewer of its own standard deviations: one in two million by chance.
+const DEVIATIONS: f64 = 5.0;
+
+/// Why there is nothing to be measured, and the work until then.
+#[derive(Clone)]
+struct Failed {
+    outcome: &'static str,
+    reason: String,
+    work: Tally,
+}
+
+impl From<ExperimentError> for Failed {
+    fn from(error: ExperimentError) -> Failed {
+        let untouched = matches!(
+            &error,
+            ExperimentError::Creature {
+                reason: CreatureFault::Babbling(BabblingError::NoTouch { .. })
+                    | CreatureFault::Simulation(SimulationError::NoPairs { .. }),
+                ..
+            }
+        );
+        let outcome = if untouched { "touched nothing" } else { "refused" };
+        Failed { outcome, reason: error.to_string(), work: Tally::default() }
+    }
+}
+
+/// A body that babbled.
+struct Babbled {
+    policy: PolicyName,
+    touches: Vec<Touch>,
+    grown: Option<Growth>,
+    work: Tally,
+}
+
+fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+    let body = GeneratedBody::new(trial.seed);
+    let embodied = survived(|| embody(&body));
+    // Ways share the touches at random, if one needs them.
+    let random = OnceCell::new();
+    let row = |way: &String| {
+        let found = embodied.as_ref().map_err(Clone::clone).and_then(|own| {
+            let learner: &'static dyn LearnerKind = match way.as_str() {
+                "default" if Growth::suits(own.creature()) => {
+                    let most = trial.touches.saturating_mul(STAGED);
+                    let staged = survived(|| babble(own, PolicyName::Stages, most, trial))?;
+                    return learn(own, &staged, &PartByPart, &body, trial);
+                }
+                "gradient" => &RepairedHersch,
+                "hersch" => &HerschsRule,
+                _ => &LevenbergMarquardt,
+            };
+            let at_random =
+                random.get_or_init(|| survived(|| babble(own, PolicyName::Random, trial.touches, trial)));
+            learn(own, at_random.as_ref().map_err(Clone::clone)?, learner, &body, trial)
+        });
+        let mut row = found.unwrap_or_else(|Failed { outcome, reason, work }| {
+            json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
+                   "whole": false, "pairs": 0, "claims": 0, "wrong": 0, "late": false})
+        });
+        describe(&mut row, way, &body);
+        row
+    };
+    Ok(trial.cases.iter().map(row).collect())
+}
+
+/// Adds what was drawn and how it went in counts.
+fn describe(row: &mut Row, way: &str, body: &GeneratedBody) {
+    let drawn = json!(body.drawn);
+    for name in
+        ["family", "limbs", "dof", "hinges", "slides", "balls", "locked", "spins", "followers", "skew"]
+    {
+        row[name] = drawn[name].clone();
+    }
+    row["seed"] = json!(body.seed);
+    row["limb_m"] = json!(body.drawn.length);
+    row["way"] = json!(way);
+    let outcome = row["outcome"].as_str().unwrap_or_default();
+    let counts = [
+        ("touched", outcome != "touched nothing"),
+        ("refused", outcome == "refused" || outcome == "panicked"),
+        ("learned", outcome == "learned"),
+        ("learned_partly", outcome == "learned partly"),
+        ("not_learned", outcome == "not learned"),
+    ];
+    counts.into_iter().for_each(|(name, holds)| row[name] = json!(holds));
+    let babble = match row["policy"].as_str().and_then(|policy| policy.split_once(", ")) {
+        Some(("random", learner)) => {
+            format!(" --policy random --learner {learner} --touches {}", row["touches"])
+        }
+        _ => String::new(),
+    };
+    let (seed, name) = (body.seed, body.name());
+    row["command"] = json!(format!(
+        "bodyschema study generate --seed {seed} --out {name}.xml && bodyschema babble {name}.xml --seed {seed}{babble}"
+    ));
+}
+
+/// What something comes to; a panic in it, which is a defect, is a finding and ends no study.
+fn survived<T>(run: impl FnOnce() -> Result<T, ExperimentError>) -> Result<T, Failed> {
+    let (found, work) = apart(|| catch_unwind(AssertUnwindSafe(run)));
+    let found = found.map(|found| found.map_err(Failed::from)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let reason = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message").into();
+        Err(Failed { outcome: "panicked", reason, work: Tally::default() })
+    });
+    found.map_err(|failed| Failed { work, ..failed })
+}
+
+/// The body with its skin; what has no touch sensors gets them in memory.
+fn embody(body: &GeneratedBody) -> Result<Embodied, ExperimentError> {
+    let model = Arc::new(Model::from_xml(&body.mjcf)?);
+    Embodied::of_model(ModelSource::new(format!("{}.xml", body.name())), model, &())
+}
+
+fn babble(
+    embodied: &Embodied,
+    policy: PolicyName,
+    most: usize,
+    trial: &Trial,
+) -> Result<Babbled, ExperimentError> {
+    let by = Deadline::after_work_of(BABBLING * trial.seconds);
+    let babbler = embodied.babbler(MotionName::default())?.until(by).learning_from(Input::Receptor);
+    let wanted = BabblingOptions { touches: most, seed: trial.seed, jobs: 1 };
+    let mut touches = Vec::new();
+    let (made, work) = apart(|| {
+        all_touches(embodied.model(), &babbler, policy, &wanted, |touch| touches.push(touch.clone()))
+    });
+    let (_, grown) = made?;
+    Ok(Babbled { policy, touches, grown, work })
+}
+
+/// What a learner comes to with the touches of a body.
+fn learn(
+    embodied: &Embodied,
+    babbled: &Babbled,
+    kind: &'static dyn LearnerKind,
+    body: &GeneratedBody,
+    trial: &Trial,
+) -> Result<Row, Failed> {
+    survived(|| {
+        // Ways share touches, and each has the work that these leave.
+        let by = Deadline::after_work_of(LEARNING * trial.seconds);
+        count(babbled.work);
+        let how = LearningOptions { learner: kind, deadline: by, ..LearningOptions::default() };
+        let mut learner = how.learner_from(embodied.agent(), babbled.grown.as_ref(), trial.seed);
+        learner.end_at(by);
+        babbled.touches.iter().for_each(|touch| learner.touch(touch));
+        let (learned, work) = apart(|| learner.learn());
+        let mut row = measured(embodied, learned, body);
+        row["policy"] = json!(format!("{}, {}", babbled.policy, kind.name()));
+        row["touches"] = json!(babbled.touches.len());
+        row["late"] = json!(work.ended || babbled.work.ended);
+        row["work_s"] = json!(work.seconds() + babbled.work.seconds());
+        Ok(row)
+    })
+}
+
+/// Holds what was learned against the truth.
+fn measured(embodied: &Embodied, learned: Learned, body: &GeneratedBody) -> Row {
+    let (agent, creature) = (embodied.agent(), embodied.creature());
+    let points = held_out_points(agent);
+    let errors = held_out(creature, embodied.truth(), &learned.schema, &points);
+    let judged = judge(embodied, &learned, &points, &errors);
+    let millimetres = || errors.iter().map(|error| error.millimetres);
+    let (count, limit) = (errors.len() as f64, 1e3 * RIGHT * body.drawn.length);
+    let mean = millimetres().sum::<f64>() / count;
+    let right = millimetres().filter(|&error| error <= limit).count() as f64 / count.max(1.0);
+    let [joints_named, limbs_named] = [learned.undetermined().len(), learned.undetermined_limbs().len()];
+    let (outcome, reason) = match learned.verdict {
+        Verdict::Converged if joints_named + limbs_named == 0 => ("learned", String::new()),
+        Verdict::Converged => ("learned partly", String::new()),
+        Verdict::Failed(why) => ("not learned", why),
+        Verdict::Unjudged(why) => ("not judged", why),
+    };
+    let skinned = agent.limbs_with_skin().len();
+    json!({
+        "outcome": outcome,
+        "reason": reason,
+        "joints": creature.joints().len(),
+        "joints_named": joints_named,
+        "heldout_mm": mean,
+        "worst_heldout_mm": millimetres().fold(f64::NAN, f64::max),
+        "heldout_percent": 0.1 * mean / body.drawn.length,
+        "right": right,
+        "whole": right >= WHOLE,
+        "pairs": skinned * skinned.saturating_sub(1) / 2,
+        "claims": judged.claims,
+        "wrong": judged.wrong,
+        "worst_mm": judged.worst_mm,
+        "worst_deviations": judged.worst_deviations,
+    })
+}
+
+/// Claims held against the truth.
+struct Judged {
+    /// Pairs of limbs that are claimed, and those of them that are wrong.
+    claims: usize,
+    wrong: usize,
+    /// The greatest error of a claim, and the most of its own deviations that an error is that matters; NaN if there is none.
+    worst_mm: f64,
+    worst_deviations: f64,
+}
+
+/// Holds what a learner claims against the truth: that skin of two limbs of one class of its account is located in each
+/// other's frames.
+fn judge(embodied: &Embodied, learned: &Learned, points: &[HeldOutPoint], errors: &[HeldOutError]) -> Judged {
+    let mut judged = Judged { claims: 0, wrong: 0, worst_mm: f64::NAN, worst_deviations: f64::NAN };
+    let Some(account) = learned.account.as_ref().filter(|_| learned.verdict.converged()) else {
+        return judged;
+    };
+    // What is off by little of a person is off by much of a hand.
+    let negligible = LengthUnit::of(embodied.agent()).metres() * NEGLIGIBLE_MM;
+    // Metres; of a point that has none, the deviation that would just be claimed.
+    let deviation = |point: &HeldOutPoint| {
+        let HeldOutPoint { posture, limbs, p_a, .. } = point;
+        let own =
+            account.observability.point_deviation(embodied.creature(), &learned.schema, posture, *limbs, p_a);
+        if own.is_finite() { own } else { account.limit() / Z95 }
+    };
+    let mut pairs: BTreeMap<[usize; 2], Vec<(&HeldOutPoint, f64)>> = BTreeMap::new();
+    for (point, error) in points.iter().zip(errors) {
+        let [a, b] = point.limbs;
+        pairs.entry([a.min(b), a.max(b)]).or_default().push((point, error.millimetres));
+    }
+    for (_, of_pair) in pairs.into_iter().filter(|([a, b], _)| account.claims(*a, *b)) {
+        judged.claims += 1;
+        let mut wrong = false;
+        for (point, millimetres) in of_pair {
+            judged.worst_mm = judged.worst_mm.max(millimetres);
+            if millimetres > negligible {
+                let deviations = millimetres / (1e3 * deviation(point));
+                judged.worst_deviations = judged.worst_deviations.max(deviations);
+                wrong |= deviations > DEVIATIONS;
+            }
+        }
+        judged.wrong += usize::from(wrong);
+    }
+    judged
+}

@@ -1,0 +1,71 @@
+//! What it costs when the senses are wrong.
+
+use serde_json::json;
+
+use super::{By, Column, Row, Studied, Study, Trial};
+use crate::session::{DisturbanceLevels, ExperimentError, LearningOptions};
+
+pub(super) const STUDY: Study = Study {
+    name: "disturbances",
+    about: "what it costs lm when the senses are wrong",
+    of: Studied::Learning,
+    touches: Some(1000),
+    seconds: None,
+    cases: || LEVELS.map(|levels| levels.to_string()).into(),
+    columns: &[
+        Column::new("disturbances", &[By::Case]),
+        Column::new("joint_noise_deg", &[]),
+        Column::new("receptor_noise_mm", &[]),
+        Column::new("false_touches", &[]),
+        Column::new("seed", &[]),
+        Column::new("converged", &[By::Share]),
+        Column::new("heldout_mm", &[By::Median, By::Most]),
+        Column::new("hand_mm", &[By::Median]),
+        Column::new("noise_estimate_mm", &[By::Median]),
+        Column::new("initial_guesses", &[]),
+        Column::new("work_s", &[By::Median]),
+    ],
+    notes: &[
+        "heldout_mm: mean held-out error on the true skin. noise_estimate_mm: the learner's own estimate of the deviation of a \
+         touch's gap, at least 0.001 mm, of the trials that converged.",
+        "Joint noise is a standard deviation per angle and touch, receptor noise one per coordinate, drawn once per trial; \
+         false touches have a random receptor at one end.",
+    ],
+    run,
+};
+
+const NONE: DisturbanceLevels =
+    DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
+const LEVELS: [DisturbanceLevels; 11] = [
+    NONE,
+    DisturbanceLevels { joint_noise: 0.05, ..NONE },
+    DisturbanceLevels { joint_noise: 0.1, ..NONE },
+    DisturbanceLevels { joint_noise: 0.2, ..NONE },
+    DisturbanceLevels { receptor_noise: 0.5, ..NONE },
+    DisturbanceLevels { receptor_noise: 1.0, ..NONE },
+    DisturbanceLevels { receptor_noise: 2.0, ..NONE },
+    DisturbanceLevels { false_touches: 0.02, ..NONE },
+    DisturbanceLevels { false_touches: 0.05, ..NONE },
+    DisturbanceLevels { false_touches: 0.1, ..NONE },
+    DisturbanceLevels { joint_noise: 0.1, receptor_noise: 1.0, false_touches: 0.05, ..NONE },
+];
+
+fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+    let subject = trial.subject()?;
+    let touches = subject.babble(trial.touches, trial.seed)?;
+    let row = |disturbances: DisturbanceLevels| {
+        let options = LearningOptions { disturbances, ..LearningOptions::default() };
+        let run = subject.learn(&options, &touches, trial.seed);
+        let mut row = json!(disturbances);
+        row["disturbances"] = json!(disturbances.to_string());
+        row["seed"] = json!(trial.seed);
+        row["converged"] = json!(run.converged());
+        row["heldout_mm"] = json!(run.heldout_mm());
+        row["hand_mm"] = json!(run.hand_mm());
+        row["noise_estimate_mm"] = json!(run.learned.deviation.map(|metres| 1e3 * metres));
+        row["initial_guesses"] = json!(run.learned.initial_guesses);
+        row["work_s"] = json!(run.work_s);
+        row
+    };
+    Ok(LEVELS.into_iter().filter(|levels| trial.asks(&levels.to_string())).map(row).collect())
+}

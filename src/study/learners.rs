@@ -1,0 +1,85 @@
+//! How far each learner gets with how many touches.
+
+use serde_json::json;
+
+use super::{By, Column, Row, Studied, Study, Trial};
+use crate::learning::SkinKnowledge;
+use crate::learning::learners::{HerschsRule, RepairedHersch};
+use crate::session::{ExperimentError, LearningOptions};
+
+pub(super) const STUDY: Study = Study {
+    name: "learners",
+    about: "how far each learner gets with how many touches",
+    of: Studied::Learning,
+    touches: Some(1000),
+    seconds: None,
+    cases: || learners().map(|(name, _)| name.to_string()).into(),
+    columns: &[
+        Column::new("learner", &[By::Case]),
+        Column::new("touches", &[By::Case]),
+        Column::new("seed", &[]),
+        Column::new("heldout_mm", &[By::Median, By::Least, By::Most]),
+        Column::new("hand_mm", &[]),
+        Column::new("converged", &[By::Share]),
+        Column::new("initial_guesses", &[By::Median]),
+        Column::new("work_s", &[By::Median]),
+    ],
+    notes: &[
+        "heldout_mm: mean held-out error. converged: by the learner's own verdict; hersch and gradient have none, and \
+              10 mm of held-out error or less counts. work_s: the work of learning, in seconds of one core.",
+    ],
+    run,
+};
+
+fn learners() -> [(&'static str, LearningOptions); 4] {
+    let lm = LearningOptions::default();
+    [
+        ("hersch", LearningOptions { learner: &HerschsRule, ..lm.clone() }),
+        ("gradient", LearningOptions { learner: &RepairedHersch, ..lm.clone() }),
+        ("lm --skin centres", LearningOptions { skin: SkinKnowledge::Centres, ..lm.clone() }),
+        ("lm", lm),
+    ]
+}
+
+fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+    let subject = trial.subject()?;
+    let touches = subject.babble(trial.touches, trial.seed)?;
+    let mut rows = Vec::new();
+    for (name, options) in learners().into_iter().filter(|(name, _)| trial.asks(name)) {
+        for count in touch_counts(touches.len()) {
+            let run = subject.learn(&options, &touches[..count], trial.seed);
+            rows.push(json!({
+                "learner": name,
+                "touches": count,
+                "seed": trial.seed,
+                "heldout_mm": run.heldout_mm(),
+                "hand_mm": run.hand_mm(),
+                "converged": run.converged(),
+                "initial_guesses": run.learned.initial_guesses,
+                "work_s": run.work_s,
+            }));
+        }
+    }
+    Ok(rows)
+}
+
+/// The counts at which learners are measured, up to `most` and with it: 100, 150, 200, 300, 500, 700, 1000, and so on by the
+/// same factors.
+fn touch_counts(most: usize) -> Vec<usize> {
+    let decades = std::iter::successors(Some(1usize), |decade| decade.checked_mul(10));
+    let counts = decades.flat_map(|decade| [100, 150, 200, 300, 500, 700].map(|n| decade.saturating_mul(n)));
+    counts.take_while(|&count| count < most).chain([most]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_go_on_by_the_same_factors_and_end_with_the_last() {
+        assert_eq!(touch_counts(60), [60]);
+        assert_eq!(touch_counts(100), [100]);
+        assert_eq!(touch_counts(1000), [100, 150, 200, 300, 500, 700, 1000]);
+        assert_eq!(touch_counts(2500)[6..], [1000, 1500, 2000, 2500]);
+    }
+}

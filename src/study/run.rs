@@ -1,0 +1,342 @@
+//! Making the trials of a study, and what they come to together.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::{Row, Studied, Study, Subject, Table};
+use crate::deadline::apart;
+use crate::mujoco;
+use crate::session::{Embodied, ExperimentError, PROGRAM, SCHEMA_FILE, model_hash};
+
+/// Touches from which a creature that acts learns its body if no session is named and no number is asked for.
+const LEARNED_FROM: usize = 1000;
+
+/// What a study can be asked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StudyOptions {
+    /// Trials.
+    pub trials: u64,
+    /// The seed of the first trial; the next ones count on from it.
+    pub seed: u64,
+    /// Names or parts of names of cases; all cases if there are none.
+    pub cases: Vec<String>,
+    /// Touches of a trial.
+    pub touches: Option<usize>,
+    /// Work of a case, in seconds of one core.
+    pub seconds: Option<f64>,
+    /// The session in which a creature that acts has learned its body.
+    pub session: Option<PathBuf>,
+}
+
+/// All that decides what comes out of a study: two processes that were asked the same come to the same.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// The study's name.
+    pub study: String,
+    /// This program and its version.
+    pub program: String,
+    /// The engine's version.
+    pub engine: String,
+    /// The options in effect, with the full names of all cases.
+    pub options: StudyOptions,
+    /// Who is studied, unless the seeds make it.
+    pub creature: Option<AskedCreature>,
+}
+
+/// A creature that is studied.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AskedCreature {
+    name: String,
+    joints: usize,
+    dof: usize,
+    model: PathBuf,
+    model_hash: String,
+    /// Which of its joints move, as on the command line.
+    moving: String,
+    root: Option<String>,
+    /// The schema of the session in which it has learned its body.
+    schema_hash: Option<String>,
+}
+
+/// A study that is ready to be made.
+pub struct StudyRun {
+    study: &'static Study,
+    asked: Asked,
+    subject: Option<Subject>,
+}
+
+/// A trial: a seed, and what is asked of it.
+pub struct Trial<'a> {
+    /// The seed of all its random numbers.
+    pub seed: u64,
+    /// Its number among all trials, from 0.
+    pub number: u64,
+    /// The names of its cases.
+    pub cases: &'a [String],
+    /// Touches, if the study babbles.
+    pub touches: usize,
+    /// Work of a case, in seconds of one core, if it is limited.
+    pub seconds: f64,
+    subject: Option<&'a Subject>,
+}
+
+/// What a trial leaves.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct TrialRecord {
+    /// How long it took, seconds.
+    pub seconds: f64,
+    pub rows: Vec<Row>,
+}
+
+/// What all trials come to.
+pub struct Findings {
+    study: &'static Study,
+    asked: Asked,
+    seconds: f64,
+    rows: Vec<Row>,
+}
+
+impl Trial<'_> {
+    /// Who is studied.
+    ///
+    /// # Errors
+    /// If the seeds make it.
+    pub fn subject(&self) -> Result<&Subject, ExperimentError> {
+        self.subject.ok_or_else(|| ExperimentError::refused("this study is of no creature that is named"))
+    }
+
+    /// Whether a case is asked for.
+    pub fn asks(&self, case: &str) -> bool {
+        self.cases.iter().any(|asked| asked == case)
+    }
+}
+
+impl Asked {
+    /// The seeds of its trials.
+    pub fn seeds(&self) -> std::ops::Range<u64> {
+        self.options.seed..self.options.seed.saturating_add(self.options.trials)
+    }
+
+    /// What differs from another, in words; `None` if nothing does.
+    pub(super) fn difference(&self, other: &Asked) -> Option<String> {
+        fn differing(one: &Value, other: &Value) -> Option<String> {
+            one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
+                same if same == value => None,
+                Value::Object(_) if value.is_object() => differing(value, &other[name]),
+                another => Some(format!("one's {name} is {value}, the other's {another}")),
+            })
+        }
+        differing(&json!(self), &json!(other))
+    }
+
+    fn study(&self) -> Result<&'static Study, ExperimentError> {
+        Study::of_name(&self.study).ok_or_else(|| {
+            ExperimentError::refused(format!(
+                "there is no study {} in this version: make it by the version that it was begun by",
+                self.study
+            ))
+        })
+    }
+
+    /// Who is studied and how often, in lines.
+    fn heading(&self) -> Vec<String> {
+        const MOST: u64 = 20;
+        let StudyOptions { trials, touches, session, .. } = &self.options;
+        let seeds = self.seeds();
+        let seeds = match *trials {
+            few if few <= MOST => seeds.map(|seed| seed.to_string()).collect::<Vec<_>>().join(" "),
+            _ => format!("{} to {}", seeds.start, seeds.end - 1),
+        };
+        let touches = touches.map(|touches| format!(" of {touches} touches")).unwrap_or_default();
+        let plural = if *trials == 1 { "" } else { "s" };
+        let creature = self.creature.as_ref().map(|creature| {
+            let AskedCreature { name, joints, dof, model, moving, .. } = creature;
+            let learned = session.as_ref().map(|session| format!(", as learned in {}", session.display()));
+            format!(
+                "{name}: {joints} joints, {dof} degrees of freedom ({}, --joints {moving}){}",
+                model.display(),
+                learned.unwrap_or_default()
+            )
+        });
+        creature.into_iter().chain([format!("{trials} trial{plural}{touches}, seeds {seeds}")]).collect()
+    }
+}
+
+impl StudyRun {
+    /// Makes a study ready: of a creature, unless the seeds make who is studied.
+    ///
+    /// # Errors
+    /// If an option is not for this study or a case is none of its own; if the creature cannot babble, or has not learned its
+    /// body.
+    pub fn new(
+        study: &'static Study,
+        options: StudyOptions,
+        creature: Option<Embodied>,
+    ) -> Result<StudyRun, ExperimentError> {
+        let acts = study.of == Studied::Acting;
+        let refused = |option: &str| {
+            let why = format!("study {} has no use for {option}: leave it out", study.name);
+            Err(ExperimentError::refused(why))
+        };
+        let babbles = study.touches.is_some() || acts && options.session.is_none();
+        if options.touches.is_some() && !babbles {
+            return refused("--touches, its trials are counted by --trials");
+        }
+        if options.seconds.is_some() && study.seconds.is_none() {
+            return refused("--seconds");
+        }
+        if options.session.is_some() && !acts {
+            return refused("--session");
+        }
+        if options.seed.checked_add(options.trials).is_none() {
+            return Err(ExperimentError::refused(
+                "the last trial's seed would be too great: give a smaller --seed",
+            ));
+        }
+        let learned_from = (acts && options.session.is_none()).then_some(LEARNED_FROM);
+        let options = StudyOptions {
+            cases: chosen(study, &options.cases)?,
+            touches: options.touches.or(study.touches).or(learned_from),
+            seconds: options.seconds.or(study.seconds),
+            ..options
+        };
+        let asked_creature =
+            creature.as_ref().map(|creature| asked_creature(creature, &options)).transpose()?;
+        let mut subject = creature.map(Subject::new).transpose()?;
+        if acts {
+            let by = (options.session.as_deref(), options.touches.unwrap_or(LEARNED_FROM), options.seed);
+            subject = subject.map(|subject| subject.with_learned_body(by.0, by.1, by.2)).transpose()?;
+        }
+        let asked = Asked {
+            study: study.name.into(),
+            program: PROGRAM.into(),
+            engine: mujoco::check()?.to_string(),
+            options,
+            creature: asked_creature,
+        };
+        Ok(StudyRun { study, asked, subject })
+    }
+
+    /// What it was asked.
+    pub fn asked(&self) -> &Asked {
+        &self.asked
+    }
+
+    /// Makes the trial of a seed.
+    pub(super) fn trial(&self, seed: u64) -> Result<TrialRecord, ExperimentError> {
+        let StudyOptions { cases, touches, seconds, seed: first, .. } = &self.asked.options;
+        let trial = Trial {
+            seed,
+            number: seed - first,
+            cases,
+            touches: touches.unwrap_or_default(),
+            seconds: seconds.unwrap_or(f64::INFINITY),
+            subject: self.subject.as_ref(),
+        };
+        let began = Instant::now();
+        // Each counts its own work, though a thread may begin another one while it waits.
+        let rows = apart(|| (self.study.run)(&trial)).0?;
+        Ok(TrialRecord { seconds: began.elapsed().as_secs_f64(), rows })
+    }
+
+    /// Makes all trials, on all threads and in memory.
+    ///
+    /// # Errors
+    /// If something cannot be measured at all.
+    pub fn findings(&self) -> Result<Findings, ExperimentError> {
+        let trials = self.asked.seeds().into_par_iter().map(|seed| self.trial(seed));
+        Findings::of(self.asked.clone(), trials.collect::<Result<Vec<_>, _>>()?)
+    }
+}
+
+impl Findings {
+    /// What trials come to, in the order of their seeds.
+    pub(super) fn of(asked: Asked, trials: Vec<TrialRecord>) -> Result<Findings, ExperimentError> {
+        let study = asked.study()?;
+        let (mut seconds, mut rows) = (0.0, Vec::new());
+        for trial in trials {
+            seconds += trial.seconds;
+            rows.extend(trial.rows);
+        }
+        Ok(Findings { study, asked, seconds, rows })
+    }
+
+    /// All measurements.
+    pub fn table(&self) -> Table {
+        Table::of(self.study.columns, &self.rows)
+    }
+
+    /// A row per case.
+    pub fn summary(&self) -> Table {
+        Table::summary(self.study.columns, &self.rows)
+    }
+
+    /// All of it, and the folder that it goes to, as JSON.
+    pub fn to_json(&self, folder: &Path) -> Value {
+        let mut all = json!(self.asked);
+        all["about"] = json!(self.study.about);
+        all["seeds"] = json!(self.asked.seeds().collect::<Vec<u64>>());
+        all["seconds"] = json!(self.seconds);
+        all["summary"] = self.summary().to_json();
+        all["notes"] = json!(self.study.notes);
+        all["rows"] = self.table().to_json();
+        all["folder"] = json!(folder);
+        all
+    }
+
+    /// Its summary for a person, in lines.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![format!("study {}: {}", self.study.name, self.study.about)];
+        lines.extend(self.asked.heading());
+        lines.push(String::new());
+        lines.extend(self.summary().lines());
+        lines.push(String::new());
+        lines.extend(self.study.notes.iter().map(ToString::to_string));
+        lines.push("Medians over the trials, unless a column is a count or a share.".into());
+        lines.push(format!("\n{:.0} s of trials", self.seconds));
+        lines
+    }
+}
+
+/// The cases of a study that are meant: those of these names, or whose names hold these words; all if none is named.
+fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, ExperimentError> {
+    let all = (study.cases)();
+    let mut meant = vec![false; all.len()];
+    for word in named {
+        let exactly = all.contains(word);
+        let is_meant = |case: &String| if exactly { case == word } else { case.contains(word.as_str()) };
+        if !all.iter().any(is_meant) {
+            return Err(ExperimentError::refused(format!(
+                "study {} has no case {word}: choose from {}",
+                study.name,
+                all.join("; ")
+            )));
+        }
+        meant.iter_mut().zip(&all).for_each(|(meant, case)| *meant |= is_meant(case));
+    }
+    Ok(all
+        .into_iter()
+        .zip(meant)
+        .filter(|(_, meant)| named.is_empty() || *meant)
+        .map(|(case, _)| case)
+        .collect())
+}
+
+fn asked_creature(embodied: &Embodied, options: &StudyOptions) -> Result<AskedCreature, ExperimentError> {
+    let (creature, source) = (embodied.creature(), embodied.source());
+    let schema = options.session.as_ref().map(|session| model_hash(&session.join(SCHEMA_FILE)));
+    Ok(AskedCreature {
+        name: creature.name().into(),
+        joints: creature.joints().len(),
+        dof: creature.dof(),
+        model: source.model.clone(),
+        model_hash: model_hash(&source.model)?,
+        moving: source.joints.to_string(),
+        root: source.root.clone(),
+        schema_hash: schema.transpose()?,
+    })
+}

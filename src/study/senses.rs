@@ -1,0 +1,159 @@
+//! How well the touch sensor tells what is done to the skin.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+
+use super::{By, Column, Row, Studied, Study, Trial};
+use crate::creature::JointSelection;
+use crate::mujoco;
+use crate::senses::{Party, Sensation, TouchEvent, TouchKind};
+use crate::session::ExperimentError;
+use crate::simulation::partner::{Stimulation, Strokes};
+use crate::simulation::{Stage, StepSenses};
+
+pub(super) const STUDY: Study = Study {
+    name: "senses",
+    about: "how well taps, presses, strokes, rubs and strokes over joints are told apart; a trial is one each",
+    of: Studied::Touched,
+    touches: None,
+    seconds: None,
+    cases: || Doing::ALL.map(|doing| doing.name().to_string()).into(),
+    columns: &[
+        Column::new("done", &[By::Case]),
+        Column::new("seed", &[]),
+        Column::new("limb", &[]),
+        Column::new("last_limb", &[]),
+        Column::new("force_n", &[]),
+        Column::new("told", &[]),
+        Column::new("told_limb", &[]),
+        Column::new("told_last_limb", &[]),
+        Column::new("tap", &[By::Sum]),
+        Column::new("press", &[By::Sum]),
+        Column::new("stroke", &[By::Sum]),
+        Column::new("rub", &[By::Sum]),
+        Column::new("nothing", &[By::Sum]),
+        Column::new("kind_right", &[By::Share]),
+        Column::new("limbs_right", &[By::Share]),
+        Column::new("alone", &[By::Share]),
+        Column::new("right", &[By::Share]),
+        Column::new("peak_force_n", &[]),
+        Column::new("duration_s", &[]),
+        Column::new("latency_s", &[By::Median, By::Most]),
+    ],
+    notes: &[
+        "A row is what was done; tap, press, stroke, rub and nothing: how often the touch sensor reported which. right: the \
+              right kind, from the right limb to the right limb, and one sensation. latency_s: how long after the \
+              last contact it was decided. redrawn: draws in which a probe left the skin or met another one.",
+    ],
+    run,
+};
+
+/// How long after the end of a stimulation a sensation is waited for, seconds: half of it a probe may be stuck somewhere.
+const PATIENCE: f64 = 1.0;
+/// What is done in a trial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doing {
+    /// One touch of a kind, on one limb.
+    One(TouchKind),
+    /// A stroke over so many joints.
+    Across(usize),
+}
+
+impl Doing {
+    const ALL: [Doing; 6] = [
+        Doing::One(TouchKind::Tap),
+        Doing::One(TouchKind::Press),
+        Doing::One(TouchKind::Stroke),
+        Doing::One(TouchKind::Rub),
+        Doing::Across(1),
+        Doing::Across(2),
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Doing::One(kind) => kind.name(),
+            Doing::Across(1) => "stroke over a joint",
+            Doing::Across(_) => "stroke over two joints",
+        }
+    }
+
+    /// What a probe does, setting out now. `None` if there is no room for it.
+    fn draw(self, stage: &Stage, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+        let (strokes, time) = (Strokes::new(stage), stage.time());
+        match self {
+            Doing::One(kind) => strokes.random(kind, time, rng),
+            Doing::Across(joints) => strokes.across(joints, time, rng),
+        }
+    }
+}
+
+fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+    let subject = trial.subject()?;
+    let stage = subject.stage(&JointSelection::All, &["probe"], Vec::new())?;
+    let mut rows = Vec::new();
+    for (stream, doing) in Doing::ALL.into_iter().enumerate().filter(|(_, doing)| trial.asks(doing.name())) {
+        let mut rng = ChaCha8Rng::seed_from_u64(trial.seed);
+        rng.set_stream(stream as u64);
+        let mut row = match doing.draw(&stage, &mut rng) {
+            Some(done) => compared(&stage, &done)?,
+            None => json!({"told": "no room for it"}),
+        };
+        row["done"] = json!(doing.name());
+        row["seed"] = json!(trial.seed);
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// Does something, and compares it with what is felt of it.
+fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, ExperimentError> {
+    let name = |limb: usize| stage.agent().creature().limbs()[limb].clone();
+    let felt = feel(stage, done)?;
+    let alone = felt.len() == 1;
+    // Of several sensations the longest is taken for it.
+    let lasted = |felt: &Sensation| felt.ended - felt.began;
+    let felt = felt.into_iter().max_by(|a, b| lasted(&a.0).total_cmp(&lasted(&b.0)));
+    let felt = felt.as_ref();
+    let ends = [done.limbs[0], done.limbs[done.limbs.len() - 1]];
+    let side = felt.map(|(felt, _)| &felt.sides[0]);
+    let kind = felt.is_some_and(|(felt, _)| felt.kind == done.kind);
+    let limbs = side.is_some_and(|side| [side.limb, side.last_limb] == ends);
+    let told = felt.map_or("nothing", |(felt, _)| felt.kind.name());
+    let mut row = json!({
+        "limb": name(ends[0]),
+        "last_limb": name(ends[1]),
+        "force_n": done.force,
+        "told": told,
+        "told_limb": side.map(|side| name(side.limb)),
+        "told_last_limb": side.map(|side| name(side.last_limb)),
+        "kind_right": kind,
+        "limbs_right": limbs,
+        "alone": alone,
+        "right": kind && limbs && alone,
+        "peak_force_n": felt.map(|(felt, _)| felt.peak_force),
+        "duration_s": felt.map(|(felt, _)| lasted(felt)),
+        "latency_s": felt.map(|(_, decided)| decided - done.touching[1]),
+    });
+    let names = TouchKind::ALL.iter().map(|kind| kind.name()).chain(["nothing"]);
+    names.for_each(|name| row[name] = json!(name == told));
+    Ok(row)
+}
+
+/// Sends a probe and lets the creature feel it; what was felt of it, and when each sensation was decided.
+fn feel(stage: &Stage, done: &Stimulation) -> mujoco::Result<Vec<(Sensation, f64)>> {
+    let probe = Party::Thing(stage.probe_thing(0));
+    stage.send_probe(0, done.path.clone())?;
+    let end = done.path.end() + PATIENCE;
+    let mut felt = Vec::new();
+    while stage.time() <= end {
+        let StepSenses { time, touches, .. } = stage.step()?;
+        felt.extend(touches.into_iter().filter_map(|event| match event {
+            TouchEvent::Sensed { sensation, .. } => Some((sensation, time)),
+            TouchEvent::Began { .. } => None,
+        }));
+    }
+    felt.retain(|(sensation, _)| sensation.by == probe);
+    stage.withdraw_probe(0)?;
+    Ok(felt)
+}

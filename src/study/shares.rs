@@ -1,0 +1,181 @@
+//! The trials of a study in a folder, a file each: what makes them may be interrupted, and may be several processes.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::run::TrialRecord;
+use super::{Asked, Findings, StudyOptions, StudyRun};
+use crate::session::{
+    Action, ExperimentError, RecordError, STUDY_SHARE_FILE, ShareRecord, Shares, Unready, made_shares,
+    write_whole,
+};
+use crate::share::Share;
+
+/// Trials of a study at most.
+pub const MOST_TRIALS: u64 = 1_000_000;
+/// Where trials are, in the folder of a share.
+const TRIALS_FOLDER: &str = "trials";
+
+/// What a share of a study was asked for: the content of [`STUDY_SHARE_FILE`] in its folder. Beside it each trial has a file
+/// of its own, `trials/SEED.json`, which is written whole or not at all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct StudyShare {
+    /// Which share it is, as in `3/16`.
+    pub share: String,
+    /// The command line that made it, word by word.
+    pub command: Vec<String>,
+    /// What all shares of one study have in common.
+    pub asked: Asked,
+}
+
+/// All trials of a study, in one folder or several.
+pub struct MadeTrials {
+    asked: Asked,
+    /// The file of each trial, by its seed.
+    files: BTreeMap<u64, PathBuf>,
+}
+
+impl ShareRecord for StudyShare {
+    const FILE: &'static str = STUDY_SHARE_FILE;
+    const OF: &'static str = "study";
+
+    fn read(folder: &Path) -> Result<StudyShare, ExperimentError> {
+        let file = folder.join(STUDY_SHARE_FILE);
+        let share: StudyShare = read(&file, "the share of a study of this version")?;
+        let StudyOptions { trials, seed, .. } = share.asked.options;
+        if trials > MOST_TRIALS || seed.checked_add(trials).is_none() {
+            let why = "no study has so many trials: remove it and make its share again";
+            return Err(ExperimentError::unfit(&file, why));
+        }
+        Ok(share)
+    }
+
+    fn share(&self) -> Option<&str> {
+        Some(&self.share)
+    }
+
+    fn command(&self) -> &[String] {
+        &self.command
+    }
+
+    fn is_whole(&self, folder: &Path) -> bool {
+        self.missing(folder).is_empty()
+    }
+
+    fn difference(&self, other: &StudyShare) -> Option<String> {
+        self.asked.difference(&other.asked)
+    }
+}
+
+impl StudyShare {
+    /// Reads the record of a folder.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is something else.
+    pub fn read(folder: &Path) -> Result<StudyShare, ExperimentError> {
+        ShareRecord::read(folder)
+    }
+
+    /// Makes the trials of this share that are missing in its folder, which is the caller's alone, on all threads; tells the caller
+    /// of each.
+    ///
+    /// # Errors
+    /// If the folder holds another study's, something cannot be written, or cannot be measured at all.
+    pub fn make(&self, run: &StudyRun, folder: &Path, made: impl Fn() + Sync) -> Result<(), ExperimentError> {
+        if StudyShare::is_in(folder) {
+            StudyShare::read(folder)?.check(folder, self)?;
+        } else {
+            let trials = folder.join(TRIALS_FOLDER);
+            fs::create_dir_all(&trials).map_err(not_written(&trials))?;
+            write(&folder.join(STUDY_SHARE_FILE), self)?;
+        }
+        self.missing(folder).into_par_iter().try_for_each(|seed| {
+            write(&trial_file(folder, seed), &run.trial(seed)?)?;
+            made();
+            Ok(())
+        })
+    }
+
+    /// The seeds of this share's trials.
+    pub fn seeds(&self) -> Vec<u64> {
+        let share: Share = self.share.parse().unwrap_or(Share::WHOLE);
+        let seeds = self.asked.seeds();
+        (0..share.of_first(seeds.end - seeds.start)).map(|own| seeds.start + share.piece(own)).collect()
+    }
+
+    /// The file of each of its trials in its folder, by seed.
+    fn files(&self, folder: &Path) -> impl Iterator<Item = (u64, PathBuf)> {
+        self.seeds().into_iter().map(move |seed| (seed, trial_file(folder, seed)))
+    }
+
+    /// The seeds of those of its trials that are not in a folder.
+    pub fn missing(&self, folder: &Path) -> Vec<u64> {
+        self.seeds().into_iter().filter(|&seed| !trial_file(folder, seed).exists()).collect()
+    }
+}
+
+impl MadeTrials {
+    /// The trials in the folder of a study that one process makes whole.
+    pub fn whole(share: StudyShare, folder: &Path) -> MadeTrials {
+        MadeTrials { files: share.files(folder).collect(), asked: share.asked }
+    }
+
+    /// The trials of all shares, or which shares are not made.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or shares are not of one study.
+    pub fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, ExperimentError> {
+        let made = match made_shares::<StudyShare>(shares)? {
+            Ok(made) => made,
+            Err(unready) => return Ok(Err(unready)),
+        };
+        let files = made.iter().flat_map(|(_, folder, share)| share.files(folder)).collect();
+        // Without a share there is nothing to find.
+        let asked = made.into_iter().next().map(|(_, _, share)| share.asked);
+        Ok(asked.map(|asked| MadeTrials { asked, files }).ok_or_else(Unready::default))
+    }
+
+    /// What they come to.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or holds no trial.
+    pub fn findings(self) -> Result<Findings, ExperimentError> {
+        let trial = |file: &PathBuf| read::<TrialRecord>(file, "a trial of a study");
+        Findings::of(self.asked, self.files.values().map(trial).collect::<Result<_, _>>()?)
+    }
+}
+
+fn trial_file(folder: &Path, seed: u64) -> PathBuf {
+    folder.join(TRIALS_FOLDER).join(format!("{seed}.json"))
+}
+
+fn not_written(path: &Path) -> impl FnOnce(io::Error) -> RecordError {
+    let path = path.to_path_buf();
+    move |source| RecordError::Io { path, action: Action::Write, source }
+}
+
+/// Writes a file whole or not at all.
+fn write(path: &Path, content: &impl Serialize) -> Result<(), ExperimentError> {
+    let text =
+        serde_json::to_string(content).map_err(|error| ExperimentError::unfit(path, error.to_string()))?;
+    Ok(write_whole(path, format!("{text}\n").as_bytes()).map_err(not_written(path))?)
+}
+
+fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, ExperimentError> {
+    let text = crate::given_file::read(path);
+    let text =
+        text.map_err(|source| RecordError::Io { path: path.to_path_buf(), action: Action::Read, source })?;
+    serde_json::from_slice(&text).map_err(|error| {
+        ExperimentError::unfit(
+            path,
+            format!("it is not {what} ({error}): remove it and make its share again"),
+        )
+    })
+}

@@ -1,0 +1,174 @@
+//! Who is studied: a creature that babbles, learns and is measured against the truth.
+
+use std::path::Path;
+
+use crate::agent::Agent;
+use crate::babbling::{BabblingOptions, PolicyName};
+use crate::creature::{Body, JointSelection};
+use crate::deadline::apart;
+use crate::evaluation::{Evaluation, evaluate_learned};
+use crate::ground_truth::GroundTruth;
+use crate::learning::{Learned, Verdict};
+use crate::peripersonal::OwnBody;
+use crate::senses::Touch;
+use crate::session::touches::all_touches;
+use crate::session::{Embodied, ExperimentError, LearningOptions, own_body};
+use crate::simulation::{MotionName, Stage, StageOptions, Thing};
+
+/// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.
+pub(super) const CONVERGED_MM: f64 = 10.0;
+
+/// A creature that is studied.
+pub struct Subject {
+    embodied: Embodied,
+    /// What it has learned of its body before the trials.
+    learned: Option<OwnBody>,
+}
+
+/// What a learner came to.
+pub(super) struct LearnerRun {
+    pub learned: Learned,
+    pub evaluation: Evaluation,
+    /// Work of learning, in seconds of one core.
+    pub work_s: f64,
+}
+
+impl Subject {
+    /// A creature that has learned nothing yet.
+    ///
+    /// # Errors
+    /// If it cannot babble.
+    pub fn new(embodied: Embodied) -> Result<Subject, ExperimentError> {
+        embodied.babbler(MotionName::default())?;
+        Ok(Subject { embodied, learned: None })
+    }
+
+    /// The same with the body that it has learned in a session, or from so many touches by a seed.
+    ///
+    /// # Errors
+    /// If the session cannot be read or is of another creature, or the creature cannot babble.
+    pub(super) fn with_learned_body(
+        self,
+        session: Option<&Path>,
+        touches: usize,
+        seed: u64,
+    ) -> Result<Subject, ExperimentError> {
+        let own = match session {
+            None => {
+                let touches = self.babble(touches, seed)?;
+                let run = self.learn(&LearningOptions::default(), &touches, seed);
+                OwnBody::of(self.agent(), &run.learned, &touches)
+            }
+            Some(folder) => {
+                let (session, own) = own_body(folder)?;
+                if session.agent.creature() != self.agent().creature() {
+                    return Err(ExperimentError::unfit(
+                        folder,
+                        format!(
+                            "the session is of another creature, or of other joints, than {} with --joints {}: give the \
+                             model and joints that it was babbled with",
+                            self.model().display(),
+                            self.joints()
+                        ),
+                    ));
+                }
+                own
+            }
+        };
+        Ok(Subject { learned: Some(own), ..self })
+    }
+
+    /// The creature in its model.
+    pub fn body(&self) -> &Body {
+        self.embodied.body()
+    }
+
+    /// What it is given of itself.
+    pub fn agent(&self) -> &Agent {
+        self.embodied.agent()
+    }
+
+    /// The truth, for measures alone.
+    pub fn truth(&self) -> &GroundTruth {
+        self.embodied.truth()
+    }
+
+    /// The model's file.
+    pub fn model(&self) -> &Path {
+        self.embodied.model()
+    }
+
+    /// The joints that move.
+    pub fn joints(&self) -> &JointSelection {
+        &self.embodied.source().joints
+    }
+
+    /// The name of a limb.
+    pub(super) fn limb(&self, limb: usize) -> &str {
+        &self.body().creature.limbs()[limb]
+    }
+
+    /// What it has learned of its body before the trials.
+    pub(super) fn learned_body(&self) -> Result<&OwnBody, ExperimentError> {
+        self.learned.as_ref().ok_or_else(|| ExperimentError::refused("it has not learned its body"))
+    }
+
+    /// The creature on a stage, with probes that touch it and things about it.
+    pub(super) fn stage(
+        &self,
+        joints: &JointSelection,
+        probes: &[&str],
+        things: Vec<Thing>,
+    ) -> Result<Stage, ExperimentError> {
+        let options = StageOptions {
+            joints: joints.clone(),
+            root: self.body().root_name().map(str::to_string),
+            probes: probes.iter().map(|name| name.to_string()).collect(),
+            things,
+            ..StageOptions::default()
+        };
+        Stage::new(self.model(), &options).map_err(ExperimentError::simulation(self.model()))
+    }
+
+    /// Exact touches at random, on one thread: trials share the others.
+    pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<Touch>, ExperimentError> {
+        let babbler = self.embodied.babbler(MotionName::default())?;
+        let options = BabblingOptions { touches, seed, jobs: 1 };
+        let mut made = Vec::with_capacity(touches);
+        all_touches(self.model(), &babbler, PolicyName::Random, &options, |touch| made.push(touch.clone()))?;
+        Ok(made)
+    }
+
+    /// Learns from touches, disturbed as the options say, and measures against the truth.
+    pub(super) fn learn(&self, options: &LearningOptions, touches: &[Touch], seed: u64) -> LearnerRun {
+        let felt = options.disturbances.disturbances().felt(self.agent(), touches, seed);
+        let mut learner = options.learner(&felt.agent, seed);
+        let (learned, done) = apart(|| {
+            felt.touches.iter().for_each(|touch| learner.touch(touch));
+            learner.learn()
+        });
+        let evaluation = evaluate_learned(self.agent(), self.truth(), &learned);
+        LearnerRun { learned, evaluation, work_s: done.seconds() }
+    }
+}
+
+impl LearnerRun {
+    /// Mean error of skin in another limb's frame, millimetres.
+    pub fn heldout_mm(&self) -> f64 {
+        self.evaluation.heldout_mm.mean
+    }
+
+    /// The same with a hand as one of the two; NaN if the creature has none.
+    pub fn hand_mm(&self) -> f64 {
+        self.evaluation.hand_mm.map_or(f64::NAN, |hand| hand.mean)
+    }
+
+    /// The learner's own verdict; for one that has none, whether the error is [`CONVERGED_MM`] or less.
+    pub fn converged(&self) -> bool {
+        match self.learned.verdict {
+            Verdict::Converged => true,
+            Verdict::Failed(_) => false,
+            Verdict::Unjudged(_) => self.heldout_mm() <= CONVERGED_MM,
+        }
+    }
+}
