@@ -1,4 +1,4 @@
-//! How well the touch sensor tells what is done to the skin.
+//! How well the touch sensor recognizes what is done to the skin.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +14,7 @@ use crate::simulation::{Stage, StepSenses};
 
 pub(super) const STUDY: Study = Study {
     name: "senses",
-    about: "how well taps, presses, strokes, rubs and strokes over joints are told apart; a trial is one each",
+    about: "how well taps, presses, strokes, rubs and strokes over joints are recognized; a trial is one each",
     of: Studied::Touched,
     touches: None,
     seconds: None,
@@ -25,9 +25,9 @@ pub(super) const STUDY: Study = Study {
         Column::new("limb", &[]),
         Column::new("last_limb", &[]),
         Column::new("force_n", &[]),
-        Column::new("told", &[]),
-        Column::new("told_limb", &[]),
-        Column::new("told_last_limb", &[]),
+        Column::new("reported", &[]),
+        Column::new("reported_limb", &[]),
+        Column::new("reported_last_limb", &[]),
         Column::new("tap", &[By::Sum]),
         Column::new("press", &[By::Sum]),
         Column::new("stroke", &[By::Sum]),
@@ -97,7 +97,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
         rng.set_stream(stream as u64);
         let mut row = match doing.draw(&stage, &mut rng) {
             Some(done) => compared(&stage, &done)?,
-            None => json!({"told": "no room for it"}),
+            None => json!({"reported": "no room for it"}),
         };
         row["done"] = json!(doing.name());
         row["seed"] = json!(trial.seed);
@@ -119,14 +119,14 @@ fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, ExperimentError> {
     let side = felt.map(|(felt, _)| &felt.sides[0]);
     let kind = felt.is_some_and(|(felt, _)| felt.kind == done.kind);
     let limbs = side.is_some_and(|side| [side.limb, side.last_limb] == ends);
-    let told = felt.map_or("nothing", |(felt, _)| felt.kind.name());
+    let reported = felt.map_or("nothing", |(felt, _)| felt.kind.name());
     let mut row = json!({
         "limb": name(ends[0]),
         "last_limb": name(ends[1]),
         "force_n": done.force,
-        "told": told,
-        "told_limb": side.map(|side| name(side.limb)),
-        "told_last_limb": side.map(|side| name(side.last_limb)),
+        "reported": reported,
+        "reported_limb": side.map(|side| name(side.limb)),
+        "reported_last_limb": side.map(|side| name(side.last_limb)),
         "kind_right": kind,
         "limbs_right": limbs,
         "alone": alone,
@@ -136,7 +136,7 @@ fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, ExperimentError> {
         "latency_s": felt.map(|(_, decided)| decided - done.touching[1]),
     });
     let names = TouchKind::ALL.iter().map(|kind| kind.name()).chain(["nothing"]);
-    names.for_each(|name| row[name] = json!(name == told));
+    names.for_each(|name| row[name] = json!(name == reported));
     Ok(row)
 }
 

@@ -199,7 +199,7 @@ fn the_verdict_on_made_robots_is_right() {
     let place = tempfile::tempdir().unwrap();
     let cases = ["--case", "plate/none", "--case", "plate/sign", "--json"];
     let found =
-        json(place.path(), &[&["study", "calibration", "--trials", "1", "--seed", "3"], &cases[..]].concat());
+        json(place.path(), &[&["study", "calibration", "--trials", "1", "--seed", "3"][..], &cases].concat());
     let summary = found["summary"].as_array().unwrap();
     let of = |case: &str| summary.iter().find(|row| row["case"] == case).unwrap();
     assert_eq!((&of("none")["calibrated"], &of("sign")["calibrated"]), (&1.into(), &0.into()));

@@ -124,7 +124,7 @@ fn geom(shape: &Shape) -> String {
 fn sites(tree: &mut Tree, limb: usize) -> Vec<String> {
     let limb = &tree.limbs[limb];
     let count = tree.draw.count(SENSORS[0], SENSORS[1]);
-    let mut site = |k: usize| {
+    let site = |k: usize| {
         let shape = &limb.shapes[tree.draw.count(0, limb.shapes.len() - 1)];
         let longest = shape.size.iter().copied().fold(0.0, f64::max);
         let thinnest = shape.size.iter().copied().fold(f64::INFINITY, f64::min);
@@ -133,7 +133,7 @@ fn sites(tree: &mut Tree, limb: usize) -> Vec<String> {
         let (name, pos, size) = (site_name(limb, k), vector(&at), numbers(&[0.4 * thinnest]));
         format!("<site name=\"{name}\" pos=\"{pos}\" size=\"{size}\"/>")
     };
-    (1..=count).map(|k| site(k)).collect()
+    (1..=count).map(site).collect()
 }
 
 /// What follows what.
