@@ -238,7 +238,7 @@ fn wrong_usage_of_a_study_is_told_in_a_sentence() {
     assert!(!place.path().join("studies").exists(), "wrong usage left a study");
     for (old, new) in [("merge", "study merge"), ("generate", "study generate"), ("gallery", "study gallery")]
     {
-        let message = refused(place.path(), 1, &[old, "arms.xml"]);
+        let message = refused(place.path(), 2, &[old, "arms.xml"]);
         assert!(message.contains(&format!("bodyschema {new}")), "{message}");
     }
 }
