@@ -154,7 +154,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
         });
         let mut row = found.unwrap_or_else(|Failed { outcome, reason, work }| {
             json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
-                   "whole": false, "pairs": 0, "claims": 0, "wrong": 0, "late": false})
+                   "whole": false, "pairs": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
         });
         describe(&mut row, way, &body);
         row

@@ -98,7 +98,7 @@ fn of_small_bodies_nothing_is_claimed_wrongly() {
         let ways: Vec<&str> = rows.iter().map(|row| row["way"].as_str().unwrap()).collect();
         assert_eq!(ways, ["default", "lm", "gradient", "hersch"]);
         for row in rows {
-            let count = |name: &str| row[name].as_u64().unwrap();
+            let count = |name: &str| row[name].as_u64().unwrap_or_else(|| panic!("{name}: {row}"));
             assert_eq!((&row["seed"], count("wrong")), (&seed.into(), 0), "{row}");
             assert!(count("claims") <= count("pairs") && count("joints_named") <= count("joints"), "{row}");
             assert!(row["outcome"] != "panicked" && row["outcome"] != "refused", "{row}");

@@ -38,6 +38,7 @@ const TRIALS_FOLDER: &str = ".trials";
 #[derive(clap::Args)]
 #[command(
     args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
     after_help = "Examples:
   bodyschema study learners --trials 5                                # takes minutes
   bodyschema study disturbances creature.xml --touches 500 --seed 7 --json  # takes minutes
@@ -48,7 +49,7 @@ pub struct StudyArguments {
     #[command(subcommand)]
     command: Option<StudyCommand>,
     #[command(flatten)]
-    study: Option<RunArguments>,
+    study: RunArguments,
 }
 
 #[derive(clap::Subcommand)]
@@ -61,8 +62,8 @@ enum StudyCommand {
 #[derive(clap::Args)]
 struct RunArguments {
     /// The study
-    #[arg(value_parser = study())]
-    name: &'static Study,
+    #[arg(value_parser = study(), required = true)]
+    name: Option<&'static Study>,
     /// The MJCF or URDF file of a creature
     #[arg(default_value = MAX)]
     model: PathBuf,
@@ -117,11 +118,11 @@ fn study() -> impl TypedValueParser<Value = &'static Study> {
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {
-    match (&args.command, &args.study) {
+    match (&args.command, args.study.name) {
         (Some(StudyCommand::Generate(args)), _) => generate::run(args),
         (Some(StudyCommand::Gallery(args)), _) => gallery::run(args),
         (Some(StudyCommand::Merge(args)), _) => merge::run(args),
-        (None, Some(args)) => in_threads(args.jobs, || args.run()),
+        (None, Some(study)) => in_threads(args.study.jobs, || args.study.run(study)),
         (None, None) => Err("name a study: `bodyschema study --help` lists them".into()),
     }
 }
@@ -135,8 +136,8 @@ fn in_threads(jobs: Option<u16>, run: impl FnOnce() -> Outcome + Send) -> Outcom
 }
 
 impl RunArguments {
-    fn run(&self) -> Outcome {
-        let run = self.prepared()?;
+    fn run(&self, study: &'static Study) -> Outcome {
+        let run = self.prepared(study)?;
         let made = |share: Share| StudyShare {
             share: share.to_string(),
             command: output::command_line(),
@@ -155,8 +156,7 @@ impl RunArguments {
     }
 
     /// The study made ready.
-    fn prepared(&self) -> Result<StudyRun, Failure> {
-        let study = self.name;
+    fn prepared(&self, study: &'static Study) -> Result<StudyRun, Failure> {
         let options = StudyOptions {
             trials: self.trials,
             seed: self.seed,
@@ -189,8 +189,8 @@ impl RunArguments {
     /// very study.
     fn folder(&self, share: &StudyShare) -> Result<FolderLock, Failure> {
         let numbered = |k: u32| match k {
-            1 => Path::new("studies").join(self.name.name),
-            _ => Path::new("studies").join(format!("{}-{k}", self.name.name)),
+            1 => Path::new("studies").join(&share.asked.study),
+            _ => Path::new("studies").join(format!("{}-{k}", share.asked.study)),
         };
         let is_begun = |folder: &PathBuf| {
             let begun = StudyShare::read(&folder.join(TRIALS_FOLDER));
