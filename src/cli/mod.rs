@@ -51,8 +51,6 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use arguments::{Arguments, effective};
-
 /// What a command fails with: one sentence that names the file, the place and the mend.
 #[derive(Debug)]
 pub struct Failure(String);
@@ -137,12 +135,12 @@ const RENAMED: [(&str, &str); 8] = [
 /// What may be given beside `--resume`, and itself.
 const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
 
-/// The options in effect of the command that is run. Ends the program where options are given beside `--resume`.
-fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
+/// Ends the program if options are given beside `--resume`.
+fn refuse_options_beside_resume(program: &mut clap::Command, matches: &clap::ArgMatches) {
     let (mut command, mut matches) = (program, matches);
     // A command may have commands of its own.
     while let Some((name, inner)) = matches.subcommand() {
-        let Some(found) = command.find_subcommand_mut(name) else { return Arguments::default() };
+        let Some(found) = command.find_subcommand_mut(name) else { return };
         (command, matches) = (found, inner);
     }
     let given = arguments::given(command, matches);
@@ -152,7 +150,6 @@ fn given(program: &mut clap::Command, matches: &clap::ArgMatches) -> Arguments {
         let words = format!("--resume takes all options from the session: leave out {other}");
         command.error(ErrorKind::ArgumentConflict, words).exit();
     }
-    effective(command, matches)
 }
 
 /// Runs the program with the process' arguments.
@@ -188,12 +185,9 @@ fn carry_out() -> Outcome {
         message::be_quiet();
     }
     threads::make();
-    let given = || given(&mut program.clone(), &matches);
+    refuse_options_beside_resume(&mut program, &matches);
     match cli.command {
-        Command::Babble(args) => {
-            given();
-            babble::run(&args)
-        }
+        Command::Babble(args) => babble::run(&args),
         Command::Learn(args) => learn::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Plan(args) => calibrate::plan::run(&args),

@@ -13,6 +13,8 @@ use bodyschema::senses::Toucher;
 use bodyschema::simulation::{AgentHandle, ProbePath, Stage, StageOptions, Substance, Thing};
 use bodyschema::skin::{AURA_REACH, GrowOptions, ProximityGeometry, aura_of, grow_skin, skin_of};
 use nalgebra::{Isometry3, Point3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// Numbers are written to a micrometre.
 const WRITTEN: f64 = 3e-6;
