@@ -73,8 +73,10 @@ const SLIPPED: f64 = 0.04;
 const FIRM: usize = 6;
 /// What a hand beside a thing feels no higher than this over the table is the table, metres.
 const LOW: f64 = 0.03;
-/// How far palms open to let go, metres.
+/// How far palms open to let go, metres, …
 const LET_GO: f64 = 0.05;
+/// … and slowly so far.
+const SETTLING: f64 = 0.005;
 
 /// A thing between both palms.
 #[derive(Clone, Debug)]
@@ -204,7 +206,7 @@ impl Actor {
     /// [`Trouble::Slipped`] where it fell on the way.
     pub fn set_down(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
         let down = self.carry(grip, grip.gripped);
-        self.open(grip, LET_GO)?;
+        self.open(grip)?;
         self.palms_up(grip)?;
         down
     }
@@ -223,12 +225,9 @@ impl Actor {
         if high < LEAST_HIGHER {
             return Ok(());
         }
-        self.open_to(grip, grip.apart.map(|apart| apart + EASED))?;
-        while grip.rise < high {
-            let rise = (grip.rise + STEP).min(high);
-            self.move_palms(grip, grip.apart, rise, STEP / CAREFUL, [false; 2])?;
-        }
-        grip.gripped = high;
+        self.take_palms(grip, grip.apart.map(|apart| apart + EASED), grip.rise, CAREFUL)?;
+        self.take_palms(grip, grip.apart, high, CAREFUL)?;
+        grip.gripped = grip.rise;
         self.close(grip)?;
         Ok(())
     }
@@ -275,11 +274,11 @@ impl Actor {
     fn feel_sides(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<Option<f64>, Trouble> {
         match self.close(grip) {
             Err(Trouble::Nothing) => {
-                self.open_to(grip, apart)?;
+                self.take_palms(grip, apart, grip.rise, CAREFUL)?;
                 Ok(None)
             }
             Err(Trouble::NoSides) => {
-                self.open_to(grip, apart)?;
+                self.take_palms(grip, apart, grip.rise, CAREFUL)?;
                 Ok(None)
             }
             felt => {
@@ -293,7 +292,7 @@ impl Actor {
     /// Opens the palms, and shifts them towards where the fingers point; whether the arms get there. Where they do not, they
     /// are where they were.
     fn go_along(&mut self, grip: &mut Grip, far: f64, apart: [f64; 2]) -> Result<bool, Trouble> {
-        self.open_to(grip, apart)?;
+        self.take_palms(grip, apart, grip.rise, CAREFUL)?;
         let begun = grip.plan.middle;
         match self.shift(grip, grip.plan.forward * far) {
             Err(Trouble::NoSides) => {
@@ -305,15 +304,15 @@ impl Actor {
         }
     }
 
-    /// Opens the palms to so far from the middle each.
-    fn open_to(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<(), Trouble> {
-        let start = grip.apart;
-        let far = (0..2).map(|k| (apart[k] - start[k]).abs()).fold(0.0, f64::max);
+    /// Takes the palms to so far from the middle each, and to a height, in steps, as far as the arms go.
+    fn take_palms(&mut self, grip: &mut Grip, apart: [f64; 2], rise: f64, speed: f64) -> Result<(), Trouble> {
+        let (begun, low) = (grip.apart, grip.rise);
+        let far = (0..2).map(|k| (apart[k] - begun[k]).abs()).fold((rise - low).abs(), f64::max);
         let steps = (far / STEP).ceil();
         for k in 1..=steps as usize {
             let share = k as f64 / steps;
-            let apart = [0, 1].map(|hand| start[hand] + share * (apart[hand] - start[hand]));
-            match self.move_palms(grip, apart, grip.rise, STEP / CAREFUL, [false; 2]) {
+            let apart = [0, 1].map(|hand| begun[hand] + share * (apart[hand] - begun[hand]));
+            match self.move_palms(grip, apart, low + share * (rise - low), STEP / speed, [false; 2]) {
                 Err(Trouble::NoSides) => break,
                 moved => moved?,
             };
@@ -379,19 +378,11 @@ impl Actor {
         Ok(felt.mean_place(0).unwrap_or(0.0))
     }
 
-    /// Opens the palms so far each, metres.
-    fn open(&mut self, grip: &mut Grip, far: f64) -> Result<(), Trouble> {
-        let steps = (far / STEP).ceil();
-        for k in 0..steps as usize {
-            // Slowly at first: what stands askew is to settle.
-            let speed = if k < 5 { 0.2 * CAREFUL } else { CAREFUL };
-            let apart = grip.apart.map(|apart| apart + far / steps);
-            match self.move_palms(grip, apart, grip.rise, STEP / speed, [false; 2]) {
-                Err(Trouble::NoSides) => break,
-                moved => moved?,
-            };
-        }
-        Ok(())
+    /// Opens the palms so far each that they let go: slowly at first, so that what stands askew settles.
+    fn open(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
+        let opened = grip.apart.map(|apart| apart + LET_GO);
+        self.take_palms(grip, grip.apart.map(|apart| apart + SETTLING), grip.rise, 0.2 * CAREFUL)?;
+        self.take_palms(grip, opened, grip.rise, CAREFUL)
     }
 
     /// Moves both palms, and the middle between them, along the table. Where the arms do not get there, they stay where they
@@ -465,29 +456,14 @@ impl Actor {
 
     /// Lowers the hands, lets go, and raises them again.
     fn give_up(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
-        let down = (grip.rise.min(grip.gripped + LIFT) - grip.gripped).max(0.0);
-        let steps = (down / STEP).ceil().max(1.0);
-        for k in 1..=steps as usize {
-            let rise = grip.gripped + down * (1.0 - k as f64 / steps);
-            match self.move_palms(grip, grip.apart, rise, STEP / LIFTING, [false; 2]) {
-                Err(Trouble::NoSides) => break,
-                moved => moved?,
-            };
-        }
-        self.open(grip, LET_GO)?;
+        self.take_palms(grip, grip.apart, grip.gripped.min(grip.rise), LIFTING)?;
+        self.open(grip)?;
         self.palms_up(grip)
     }
 
     /// Raises the palms to where they came down from.
     fn palms_up(&mut self, grip: &mut Grip) -> Result<(), Trouble> {
-        while grip.rise < RISE {
-            let rise = (grip.rise + STEP).min(RISE);
-            match self.move_palms(grip, grip.apart, rise, STEP / CAREFUL, [false; 2]) {
-                Err(Trouble::NoSides) => break,
-                moved => moved?,
-            };
-        }
-        Ok(())
+        self.take_palms(grip, grip.apart, RISE.max(grip.rise), CAREFUL)
     }
 
     /// Takes the palms straight to a distance from the middle and a height; `until` tells which of them are to stop all where
