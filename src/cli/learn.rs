@@ -20,6 +20,8 @@ use crate::senses::Touch;
 /// stood up to fresh touches and was learned in another way is kept, in earlier-1, -2, … of the session's folder. With --out
 /// the session stays as it is, and a new one gets its touches and what is learned; --force replaces one that is there.
 ///
+/// Given a model in place of a session, it babbles first: `learn MODEL` is `babble MODEL`, with its options.
+///
 /// Of a recording, a description of the creature in JSON and a log of touches are enough, and no model is
 /// needed: a new session is made of the two. Units are metres and radians.
 #[derive(clap::Args)]

@@ -51,6 +51,8 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::session::is_model;
+
 /// What a command fails with: one sentence that names the file, the place and the mend.
 #[derive(Debug)]
 pub struct Failure(String);
@@ -164,12 +166,22 @@ pub fn run() -> ExitCode {
     }
 }
 
+/// The command line. `learn MODEL` is `babble MODEL`: a model has no touches yet.
+fn words() -> Vec<std::ffi::OsString> {
+    let mut words: Vec<_> = std::env::args_os().collect();
+    let is_model = |word: &std::ffi::OsString| is_model(std::path::Path::new(word));
+    if words.get(1).is_some_and(|command| command == "learn") && words.get(2).is_some_and(is_model) {
+        words[1] = "babble".into();
+    }
+    words
+}
+
 fn carry_out() -> Outcome {
     ends_with::heed();
     let mut program = Cli::command();
     // Groups and global options are there only then.
     program.build();
-    let matches = program.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(|error| {
+    let matches = program.try_get_matches_from_mut(words()).unwrap_or_else(|error| {
         let word = error.get(ContextKind::InvalidSubcommand).map(ToString::to_string);
         match RENAMED.iter().find(|(old, _)| word.as_deref() == Some(old)) {
             Some((old, new)) => {

@@ -57,7 +57,7 @@ pub struct BabblingSession<'a> {
     /// The log, ready for the touch after those of `done`.
     log: TouchWriter<'a>,
     /// Zero bytes that were at the log's end and are not any more.
-    zeros: u64,
+    zeros: usize,
     /// Whether it was begun here, with an empty log.
     begun: bool,
     /// The bouts that need not be made again.
@@ -175,7 +175,7 @@ impl<'a> BabblingSession<'a> {
     }
 
     /// How many zero bytes were at the end of the log, as a file system leaves them where the power failed; they are dropped.
-    pub fn zeros(&self) -> u64 {
+    pub fn zeros(&self) -> usize {
         self.zeros
     }
 

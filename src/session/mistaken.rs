@@ -10,6 +10,11 @@ use super::{RecordError, SESSION_FILE, SHARES_FOLDER, STUDY_FILE, Session};
 /// How models' files end.
 const MODELS: [&str; 3] = ["xml", "mjcf", "urdf"];
 
+/// Whether a path is called as a model's file.
+pub(crate) fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|end| MODELS.iter().any(|model| end.eq_ignore_ascii_case(model)))
+}
+
 /// Why a path is no session's folder, and the mend.
 pub(super) fn for_session(path: &Path) -> String {
     let place = path.display();
@@ -20,11 +25,9 @@ pub(super) fn for_session(path: &Path) -> String {
     };
     if about.is_file() {
         let of_session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
-        let model =
-            path.extension().is_some_and(|end| MODELS.iter().any(|model| end.eq_ignore_ascii_case(model)));
         return match of_session {
             Some(folder) => format!("it is a file of a session: give its folder, {}", folder.display()),
-            None if model => {
+            None if is_model(path) => {
                 format!(
                     "it is a model's file and no session's folder: `bodyschema babble {place}` makes a session of it"
                 )

@@ -66,7 +66,7 @@ pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRow, LearningTable, Prediction, read_learning_table, read_predictions};
 pub use map_file::{read_map, write_map};
 #[cfg_attr(not(feature = "render"), allow(unused_imports))]
-pub(crate) use mistaken::for_model as mistaken_for_model;
+pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use model_hash::model_hash;
 pub use observer::{LearningStep, Observer, Observers, Phase};
 pub use own_body::{hands, learned_body, own_body};

@@ -1,10 +1,10 @@
 //! Writing the log of touches while they are made.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
-use std::os::unix::fs::FileTypeExt;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::json_lines::drop_zeros;
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use super::{Action, RecordError, TOUCHES_FILE, files};
 use crate::agent::Agent;
@@ -24,22 +24,16 @@ pub struct TouchWriter<'a> {
     /// Lines written, the header included.
     lines: usize,
     buffer: Vec<u8>,
-    /// What an interrupted writer left, from the next line on; none where the next line is to be written.
-    left: Option<BufReader<File>>,
+    /// What an interrupted writer left.
+    left: Vec<u8>,
+    /// How much of that has been written once more.
+    passed: usize,
     /// Zero bytes that were at its end.
-    zeros: u64,
+    zeros: usize,
 }
-
-/// How much of a log is looked at in one piece, bytes.
-const PIECE: u64 = 1 << 16;
 
 /// Opens a log that no other process writes, without touching what is in it.
 fn open_alone(path: &Path) -> Result<File, RecordError> {
-    // A pipe would keep it waiting.
-    if fs::metadata(path).is_ok_and(|about| about.file_type().is_fifo()) {
-        let message = "it is a pipe, and a log is a file: remove it, or give another folder with --out";
-        return Err(RecordError::format(path, None, message));
-    }
     let opened = OpenOptions::new().append(true).create(true).open(path);
     let file = opened.map_err(RecordError::io(path, Action::Write))?;
     match file.try_lock() {
@@ -50,25 +44,6 @@ fn open_alone(path: &Path) -> Result<File, RecordError> {
         // Where there are no locks, nobody else can be kept away.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
-}
-
-/// How many zero bytes a file ends with; it is left at its beginning.
-fn zeros_at_end(file: &mut File) -> io::Result<u64> {
-    let length = if file.metadata()?.is_file() { file.metadata()?.len() } else { 0 };
-    let (mut end, mut piece) = (length, Vec::new());
-    while end > 0 {
-        let begin = end.saturating_sub(PIECE);
-        piece.resize((end - begin) as usize, 0);
-        file.seek(SeekFrom::Start(begin))?;
-        file.read_exact(&mut piece)?;
-        if let Some(last) = piece.iter().rposition(|byte| *byte != 0) {
-            end = begin + last as u64 + 1;
-            break;
-        }
-        end = begin;
-    }
-    file.rewind()?;
-    Ok(length - end)
 }
 
 impl<'a> TouchWriter<'a> {
@@ -86,10 +61,7 @@ impl<'a> TouchWriter<'a> {
             let message = "there is a log already: give another folder with --out, or move it away";
             return Err(RecordError::format(&path, None, message));
         }
-        let mut writer =
-            TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left: None, zeros: 0 };
-        writer.write_header()?;
-        Ok(writer)
+        TouchWriter::of(path, file, agent, Vec::new(), 0)
     }
 
     /// Goes on with the log that an interrupted writer left in `folder`, if any. What is there stays: the touches that
@@ -103,21 +75,30 @@ impl<'a> TouchWriter<'a> {
     pub fn resume(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
         let path = folder.join(TOUCHES_FILE);
         let file = open_alone(&path)?;
-        let mut left = files::open(&path)?;
-        let zeros = zeros_at_end(&mut left).map_err(RecordError::io(&path, Action::Read))?;
+        let mut left = files::read(&path)?;
+        let zeros = drop_zeros(&mut left);
         if zeros > 0 {
-            let length = file.metadata().map(|about| about.len() - zeros);
-            let cut = length.and_then(|length| file.set_len(length)).and_then(|()| file.sync_all());
+            let cut = file.set_len(left.len() as u64).and_then(|()| file.sync_all());
             cut.map_err(RecordError::io(&path, Action::Write))?;
         }
-        let left = Some(BufReader::new(left));
-        let mut writer = TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left, zeros };
+        TouchWriter::of(path, file, agent, left, zeros)
+    }
+
+    fn of(
+        path: PathBuf,
+        file: File,
+        agent: &'a Agent,
+        left: Vec<u8>,
+        zeros: usize,
+    ) -> Result<TouchWriter<'a>, RecordError> {
+        let mut writer =
+            TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left, passed: 0, zeros };
         writer.write_header()?;
         Ok(writer)
     }
 
     /// How many zero bytes were at the end of the log that is gone on with, and were dropped.
-    pub fn zeros(&self) -> u64 {
+    pub fn zeros(&self) -> usize {
         self.zeros
     }
 
@@ -128,8 +109,9 @@ impl<'a> TouchWriter<'a> {
     /// [`RecordError::Io`] where the log cannot be read.
     pub fn skip(&mut self, touches: usize) -> Result<usize, RecordError> {
         for skipped in 0..touches {
-            match self.next_left()? {
-                Some(line) if line.ends_with(b"\n") => self.lines += 1,
+            let line = self.next_left();
+            match line.last() {
+                Some(b'\n') => (self.passed, self.lines) = (self.passed + line.len(), self.lines + 1),
                 Some(_) => {
                     let message = "it is no whole line: delete it";
                     return Err(RecordError::format(&self.path, Some(self.lines + 1), message));
@@ -173,8 +155,8 @@ impl<'a> TouchWriter<'a> {
     /// # Errors
     /// [`RecordError::Io`] where the system cannot store it, [`RecordError::Format`] where an interrupted writer left
     /// more than was written now.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        if self.next_left()?.is_some() {
+    pub fn finish(self) -> Result<(), RecordError> {
+        if !self.next_left().is_empty() {
             let message =
                 "there are more touches than the session is of: delete this line and those after it";
             return Err(RecordError::format(&self.path, Some(self.lines + 1), message));
@@ -194,16 +176,10 @@ impl<'a> TouchWriter<'a> {
         }))
     }
 
-    /// The next line that an interrupted writer left.
-    fn next_left(&mut self) -> Result<Option<Vec<u8>>, RecordError> {
-        let Some(left) = &mut self.left else { return Ok(None) };
-        let mut line = Vec::new();
-        left.read_until(b'\n', &mut line).map_err(RecordError::io(&self.path, Action::Read))?;
-        if line.is_empty() {
-            self.left = None;
-            return Ok(None);
-        }
-        Ok(Some(line))
+    /// The next line that an interrupted writer left, which may lack its end; empty if there is none.
+    fn next_left(&self) -> &[u8] {
+        let left = &self.left[self.passed..];
+        left.split_inclusive(|byte| *byte == b'\n').next().unwrap_or_default()
     }
 
     fn write_line(&mut self, content: &impl serde::Serialize) -> Result<(), RecordError> {
@@ -212,11 +188,8 @@ impl<'a> TouchWriter<'a> {
             .map_err(|error| RecordError::io(&self.path, Action::Write)(error.into()))?;
         self.buffer.push(b'\n');
         // A line without its end is the last one, and the beginning of this one.
-        let there = self.next_left()?.unwrap_or_default();
-        if !there.ends_with(b"\n") {
-            self.left = None;
-        }
-        if !self.buffer.starts_with(&there) {
+        let there = self.next_left().len();
+        if !self.buffer.starts_with(self.next_left()) {
             return Err(RecordError::format(
                 &self.path,
                 Some(self.lines + 1),
@@ -224,9 +197,8 @@ impl<'a> TouchWriter<'a> {
                  babble anew into another folder with --out",
             ));
         }
-        self.file
-            .write_all(&self.buffer[there.len()..])
-            .map_err(RecordError::io(&self.path, Action::Write))?;
+        self.file.write_all(&self.buffer[there..]).map_err(RecordError::io(&self.path, Action::Write))?;
+        self.passed += there;
         self.lines += 1;
         Ok(())
     }

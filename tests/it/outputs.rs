@@ -96,6 +96,15 @@ fn results_are_replaced_by_force_alone_and_not_before_the_new_ones_are_complete(
     assert!(refused(place.path(), 2, &["babble", "--resume", "s", "--force"]).contains("--force"));
 }
 
+#[test]
+fn a_model_is_learned_by_babbling() {
+    let place = place();
+    let babble = [&BABBLE[1..], &["--touches", "20", "--out", "t"]].concat();
+    succeeds(place.path(), &[&["learn"], &babble[..]].concat());
+    let log = |session: &str| fs::read(place.path().join(session).join("touches.jsonl")).unwrap();
+    assert!(log("s") == log("t"));
+}
+
 /// Whoever is killed between any two moves, what is there then or after the next command is all new.
 #[test]
 fn a_replacement_is_whole_wherever_its_writer_was_killed() {
