@@ -6,11 +6,12 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 
 use super::{Row, Studied, Study, Subject, Table};
 use crate::deadline::apart;
 use crate::mujoco;
-use crate::session::{Embodied, ExperimentError, PROGRAM, SCHEMA_FILE, model_hash};
+use crate::session::{Action, Embodied, ExperimentError, PROGRAM, RecordError, SCHEMA_FILE, model_hash};
 
 /// Touches from which a creature that acts learns its body if no session is named and no number is asked for.
 const LEARNED_FROM: usize = 1000;
@@ -326,9 +327,19 @@ fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, ExperimentErro
         .collect())
 }
 
+/// The SHA-256 of a file.
+fn hash(file: &Path) -> Result<String, ExperimentError> {
+    let bytes = std::fs::read(file).map_err(|source| RecordError::Io {
+        path: file.to_path_buf(),
+        action: Action::Read,
+        source,
+    })?;
+    Ok(Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
 fn asked_creature(embodied: &Embodied, options: &StudyOptions) -> Result<AskedCreature, ExperimentError> {
     let (creature, source) = (embodied.creature(), embodied.source());
-    let schema = options.session.as_ref().map(|session| model_hash(&session.join(SCHEMA_FILE)));
+    let schema = options.session.as_ref().map(|session| hash(&session.join(SCHEMA_FILE)));
     Ok(AskedCreature {
         name: creature.name().into(),
         joints: creature.joints().len(),
