@@ -9,7 +9,7 @@ use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Knowledge, Value};
 use bodyschema::calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
 use bodyschema::calibration::{Estimator, EstimatorOptions, Touch, plan};
-use bodyschema::record::{calibration_table, read_robot};
+use bodyschema::session::{calibration_table, read_robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

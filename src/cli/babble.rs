@@ -3,7 +3,7 @@
 use super::babbling::{BabbleArguments, Prepared};
 use super::folders::session_folder;
 use super::{Outcome, output};
-use crate::experiment::{BabblingSession, Provenance};
+use crate::session::{BabblingSession, Provenance};
 
 pub fn run(args: &BabbleArguments) -> Outcome {
     if let Some(folder) = &args.resume {

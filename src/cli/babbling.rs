@@ -18,13 +18,12 @@ use super::{Failure, Outcome};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::{Creature, JointSelection};
 use crate::deadline::Deadline;
-use crate::experiment::{
-    BabbledSession, BabbledShares, BabblingSession, Embodied, Observer, Observers, SessionSetup,
-};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
-use crate::record::FolderLock;
 use crate::senses::joint_sensors;
+use crate::session::{
+    BabbledSession, BabbledShares, BabblingSession, Embodied, FolderLock, Observer, Observers, SessionSetup,
+};
 use crate::share::Share;
 use crate::simulation::MotionName;
 

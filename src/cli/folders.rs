@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use crate::record::{
+use crate::session::{
     FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, RecordError,
     SCHEMA_FILE, SENSATIONS_FILE, SESSION_FILE, SPACE_FILE, Session, TOUCHES_FILE,
 };

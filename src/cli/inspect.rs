@@ -10,10 +10,10 @@ use super::open::{ModelArguments, read_model};
 use super::progress::Bars;
 use super::{output, progress};
 use crate::creature::{Creature, CreatureInFile, Dof, JointSelection, creatures};
-use crate::experiment::skin_for;
 use crate::geometry::Frame;
 use crate::model_files::LeftOut;
 use crate::senses::{JointSensor, joint_sensors, posture_in_words};
+use crate::session::skin_for;
 use crate::simulation::{LimbPair, Relation, SelfContact};
 use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, aura_of};
 

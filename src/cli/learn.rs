@@ -8,10 +8,12 @@ use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::experiment::{BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource};
 use crate::learning::{Input, Learner, LimbFrames};
-use crate::record::{FolderLock, ReadLock, Session, TOUCHES_FILE, read_touches};
 use crate::senses::Touch;
+use crate::session::{
+    BabbledSession, FolderLock, LearningOptions, Provenance, ReadLock, RecordedSession, RecordingSource,
+    Session, TOUCHES_FILE, read_touches,
+};
 
 /// Learn again from the touches of a session, or from a recording of a real body.
 ///

@@ -7,14 +7,14 @@ use serde_json::{Value, json};
 use super::again::with_option;
 use super::{Failure, Outcome, output};
 use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
-use crate::experiment::words::listed;
-use crate::experiment::{
-    BabbledSession, DisturbanceLevels, LearnedSession, LearningOptions, Observer, learn_session,
-};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::record::{FolderLock, LearningRecord, Session, TouchLog};
 use crate::senses::{Touch, limb_pairs};
+use crate::session::words::listed;
+use crate::session::{
+    BabbledSession, DisturbanceLevels, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer,
+    Session, TouchLog, learn_session,
+};
 use crate::simulation::MotionName;
 use crate::view::report::{REPORT_FILE, write_report};
 use crate::view::text::{self, plural, shell_words};

@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::Failure;
 use crate::babbling::PolicyName;
 use crate::creature::Creature;
-use crate::experiment::{DisturbanceLevels, LearningOptions};
 use crate::learning::learners::{LEARNERS, LearnerKind, learner_kind};
 use crate::learning::{Input, LimbFrames, SkinKnowledge};
-use crate::record::Session;
+use crate::session::{DisturbanceLevels, LearningOptions, Session};
 
 /// Options of learning.
 #[derive(clap::Args, Clone, Debug, Serialize, Deserialize)]

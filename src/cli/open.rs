@@ -12,11 +12,10 @@ use super::ends_with::ENDS_WITH;
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::creature::{Body, DofKind, JointSelection};
-use crate::experiment::{self, Embodied, ModelSource};
 use crate::ground_truth::GroundTruth;
 use crate::model_files::{LeftOut, unreadable_mesh};
 use crate::mujoco::{Data, Model};
-use crate::record::{Session, mistaken_for_model, wide_ranges};
+use crate::session::{self, Embodied, ModelSource, Session, mistaken_for_model, wide_ranges};
 
 /// Processor time that a file may take to load, seconds.
 const TIME: u64 = 20;
@@ -85,7 +84,7 @@ pub fn open_to_draw(source: ModelSource) -> Result<Model, Failure> {
 /// A session's creature in its model, or in another that is named; with its textures where they are wanted.
 pub fn session_body(session: &Session, model: Option<&Path>, textures: bool) -> Result<Body, Failure> {
     rehearse(model.unwrap_or(Path::new(&session.model)))?;
-    Ok(experiment::session_body(session, model, textures, &Bars::default())?)
+    Ok(session::session_body(session, model, textures, &Bars::default())?)
 }
 
 /// The truth, where a model is at hand; a recording has one only if it is named.

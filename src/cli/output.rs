@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::Outcome;
 use super::printable::Printable;
 use crate::evaluation::Summary;
-use crate::record::{Action, MadeFolders, RecordError, folder_of, write_whole};
+use crate::session::{Action, MadeFolders, RecordError, folder_of, write_whole};
 /// An error in its unit, as the report has it; a dash where there is none.
 pub(crate) use crate::view::text::error_number as number;
 use crate::view::tone::Tone;

@@ -10,9 +10,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, 
 
 use super::message::quiet;
 use crate::deadline::Deadline;
-use crate::experiment::{LearningStep, Observer, Phase};
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
+use crate::session::{LearningStep, Observer, Phase};
 
 /// How often a bar is drawn anew where nothing happens.
 const TICK: Duration = Duration::from_millis(100);

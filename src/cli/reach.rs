@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 
 use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
-use crate::experiment::{hands, learned_body};
 use crate::named::in_words;
 use crate::peripersonal::{Level, OwnBody, Reach, ReachableMap};
+use crate::session::{hands, learned_body};
 use crate::view::space::{slices, vtk};
 use crate::view::text::error_number;
 

@@ -10,9 +10,9 @@ use nalgebra::Point3;
 use super::open::{ModelArguments, open_to_draw};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, BodyError, Creature, DofKind, JointSelection, Posture};
-use crate::experiment::words::listed;
 use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
-use crate::record::{MadeFolders, SESSION_FILE, folder_of, model_hash};
+use crate::session::words::listed;
+use crate::session::{MadeFolders, SESSION_FILE, folder_of, model_hash};
 use crate::view::picture::{
     Direction, Film, Shot, Storyboard, draw, frame, is_film, outline, outline_of, png,
 };

@@ -5,8 +5,7 @@ use std::path::Path;
 use super::babbling::{BabbleArguments, Prepared};
 use super::folders::written_session;
 use super::{Failure, Outcome, output};
-use crate::experiment::{BabbledSession, BabblingSession, ResumedSession};
-use crate::record::{FolderLock, SESSION_FILE, Session};
+use crate::session::{BabbledSession, BabblingSession, FolderLock, ResumedSession, SESSION_FILE, Session};
 use crate::view::report::REPORT_FILE;
 
 /// Does what is missing in a session's folder: touches, learning, the report.

@@ -7,8 +7,7 @@ use serde_json::json;
 use super::babbling::{BabbleArguments, Prepared};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::experiment::{BabblingShare, Provenance};
-use crate::record::{FolderLock, SESSION_FILE, SHARES_FOLDER, Session, Shares};
+use crate::session::{BabblingShare, FolderLock, Provenance, SESSION_FILE, SHARES_FOLDER, Session, Shares};
 use crate::share::Share;
 
 /// Makes a share in its place below a folder, or what is missing of it.

@@ -7,9 +7,8 @@ use super::live::LiveOptions;
 use super::typed::Typed;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
-use crate::experiment::own_body;
 use crate::interaction::{Actor, Conversation};
-use crate::record::model_hash;
+use crate::session::{model_hash, own_body};
 use crate::simulation::{Stage, StageOptions};
 
 /// Talk to a creature among things: it answers what a partner asks of it, line by line

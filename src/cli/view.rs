@@ -10,7 +10,7 @@ use super::open::{MAX, ModelArguments, embodied, known_truth};
 use super::{Failure, Outcome, live};
 use crate::creature::JointSelection;
 use crate::learning::Certainty;
-use crate::record::{
+use crate::session::{
     LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
 };
 use crate::view::live::{LookedAt, LookingView};

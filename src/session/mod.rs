@@ -34,6 +34,7 @@ mod progress;
 mod record_error;
 mod recorded;
 mod recording;
+mod robot;
 mod schema;
 mod session_body;
 mod session_file;
@@ -75,6 +76,11 @@ pub use progress::BabblingProgress;
 pub use record_error::{Action, RecordError};
 pub use recorded::{RecordedSession, RecordingSource};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
+pub use robot::{
+    CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, apply_known, calibration_table,
+    is_mjcf, read_calibration_log, read_robot,
+};
+pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema, write_schema_with_std};
 pub use session_body::{same_tree, session_body, session_truth};
 pub use session_file::{BabblingEffort, RecordingFiles, Session, SessionOptions};

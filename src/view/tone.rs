@@ -1,6 +1,6 @@
 //! How far a verdict can be relied on: its colour tells, on pages and terminals alike.
 
-use crate::record::LearningRecord;
+use crate::session::LearningRecord;
 
 /// What of a body a verdict stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

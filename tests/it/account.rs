@@ -12,9 +12,8 @@ use bodyschema::learning::{
     Certainty, Hersch, Input, Learned, Learner, LimbFrames, RelaxedGradient, SecondOrder, Verdict, Z95,
 };
 use bodyschema::peripersonal::{Doubt, OwnBody};
-use bodyschema::record::{LEARNED_RECORD_FILE, LearningRecord, RecordedAccount};
 use bodyschema::senses::Touch;
-use bodyschema::session::own_body;
+use bodyschema::session::{LEARNED_RECORD_FILE, LearningRecord, RecordedAccount, own_body};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -10,7 +10,7 @@ use crate::common::repository;
 const AGENT: [&str; 5] = ["learning", "schema", "babbling", "peripersonal", "interaction"];
 /// What would let the truth in: by its name, by way of the model, of the side of the simulation that looks on, or of the
 /// measures.
-const NOT_THE_AGENTS: [&str; 11] = [
+const NOT_THE_AGENTS: [&str; 10] = [
     "ground_truth",
     "GroundTruth",
     "mujoco",
@@ -20,7 +20,6 @@ const NOT_THE_AGENTS: [&str; 11] = [
     "Stage",
     "evaluation",
     "session",
-    "experiment",
     "study",
 ];
 /// What the truth is called.
@@ -162,17 +161,8 @@ fn the_map_is_learned_without_knowing_where_receptors_are() {
 
 #[test]
 fn the_truth_is_named_by_those_who_simulate_and_measure_alone() {
-    let allowed = [
-        "lib.rs",
-        "ground_truth.rs",
-        "simulation",
-        "evaluation",
-        "session",
-        "experiment",
-        "study",
-        "view",
-        "cli",
-    ];
+    let allowed =
+        ["lib.rs", "ground_truth.rs", "simulation", "evaluation", "session", "study", "view", "cli"];
     let source = repository("src");
     for file in rust_files(&source) {
         let first = file.strip_prefix(&source).unwrap().components().next().unwrap();

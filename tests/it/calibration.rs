@@ -14,7 +14,7 @@ use bodyschema::calibration::{
 };
 use bodyschema::creature::DofKind;
 use bodyschema::geometry::Frame;
-use bodyschema::record::{calibration_table, read_calibration_log, read_robot};
+use bodyschema::session::{calibration_table, read_calibration_log, read_robot};
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

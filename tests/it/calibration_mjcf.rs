@@ -12,7 +12,7 @@ use bodyschema::calibration::simulated::{misread, point_touches};
 use bodyschema::creature::DofKind;
 use bodyschema::geometry::Frame;
 use bodyschema::mujoco::{Data, Equality, Model, ObjectKind};
-use bodyschema::record::{calibration_table, read_robot};
+use bodyschema::session::{calibration_table, read_robot};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -8,7 +8,7 @@ use bodyschema::calibration::robot::{Knowledge, Posed, Robot};
 use bodyschema::calibration::{
     Estimator, EstimatorOptions, Fit, Objection, Question, Touch, drop_repeats, folds, objections, split,
 };
-use bodyschema::record::read_robot;
+use bodyschema::session::read_robot;
 use nalgebra::Vector3;
 use serde_json::Value as Json;
 

@@ -12,7 +12,7 @@ use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::model_files::LeftOut;
 use bodyschema::mujoco::Model;
-use bodyschema::record::{Recording, read_creature, read_recording, read_robot};
+use bodyschema::session::{Recording, read_creature, read_recording, read_robot};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::{Value, json};
@@ -59,7 +59,7 @@ fn read(name: &str, text: &str) -> (Body, LeftOut) {
 }
 
 /// What `calibrate` takes a text for.
-fn robot(name: &str, text: &str) -> Result<bodyschema::record::RobotFile, String> {
+fn robot(name: &str, text: &str) -> Result<bodyschema::session::RobotFile, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     write(&path, text);
@@ -586,7 +586,7 @@ fn calibrate_reads_columns_as_learn_does() {
             "log.csv",
             format!("limb_a,limb_b,ax,ay,az,bx,by,bz,{head}\nbase,thumb_cm_link,0.1,0,0,0.1,0,0,{row}\n"),
         );
-        bodyschema::record::read_calibration_log(&place.path("log.csv"), &file.robot)
+        bodyschema::session::read_calibration_log(&place.path("log.csv"), &file.robot)
             .map_err(|e| e.to_string())
     };
     // In the file's order, whatever the order of its columns.
@@ -614,7 +614,7 @@ fn calibrate_reads_columns_as_learn_does() {
         ("log.csv", format!("\u{feff}{}", text.replace('\n', "\r\n\r\n")).into_bytes()),
     ] {
         place.write(name, &bytes);
-        let read = bodyschema::record::read_calibration_log(&place.path(name), &file.robot).unwrap();
+        let read = bodyschema::session::read_calibration_log(&place.path(name), &file.robot).unwrap();
         assert_eq!(read.touches[0].posture, expected.touches[0].posture, "{name}");
     }
     // A number that is none is told of where it is needed.
@@ -624,7 +624,7 @@ fn calibrate_reads_columns_as_learn_does() {
         "log.csv",
         format!("{head}{touch},0.1,0.2\n{touch},nan,0.2\nbase,thumb_link,0.1,0,0,0.1,0,0,0.1,nan\n"),
     );
-    let read = bodyschema::record::read_calibration_log(&place.path("log.csv"), &file.robot).unwrap();
+    let read = bodyschema::session::read_calibration_log(&place.path("log.csv"), &file.robot).unwrap();
     assert_eq!(read.touches.len(), 2);
     assert!(
         read.notes[0].contains("1 of 3 touches are left out") && read.notes[0].contains("line 3"),

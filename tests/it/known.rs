@@ -8,8 +8,8 @@ use bodyschema::agent::Agent;
 use bodyschema::creature::Creature;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, KnownJoint, Learner, PriorKnowledge, SecondOrder, Verdict};
-use bodyschema::record::{read_known, read_schema, write_schema, write_schema_with_std};
 use bodyschema::schema::SchemaStd;
+use bodyschema::session::{read_known, read_schema, write_schema, write_schema_with_std};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 

@@ -27,6 +27,7 @@ mod frames;
 mod geometry;
 mod grown;
 mod growth;
+mod house;
 mod inputs;
 mod interaction;
 mod kinematics;

@@ -7,7 +7,7 @@ use bodyschema::agent::Agent;
 use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::DofKind;
 use bodyschema::mujoco::{Data, JointKind, Model, ObjectKind, SensorKind};
-use bodyschema::record::RecordError;
+use bodyschema::session::RecordError;
 use bodyschema::simulation::{MotionName, Movers};
 use bodyschema::skin::{GrowOptions, Receptor, grow_skin, skin_of};
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::program::{refused, succeeds};
 use crate::common::{repository, two_arms};
-use bodyschema::record::FolderLock;
+use bodyschema::session::FolderLock;
 use tempfile::TempDir;
 
 const BABBLE: [&str; 6] = ["babble", "arms.xml", "--learner", "hersch", "--policy", "random"];

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use bodyschema::calibration::robot::{Knowledge, Posed, Robot, Value};
 use bodyschema::geometry::Frame;
-use bodyschema::record::{RobotFile, read_robot};
+use bodyschema::session::{RobotFile, read_robot};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

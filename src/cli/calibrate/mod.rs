@@ -15,7 +15,7 @@ use crate::calibration::{
     Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, add_places, folds, judge,
     objections, put_on_places, split,
 };
-use crate::record::{
+use crate::session::{
     RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
     set_prior,
 };

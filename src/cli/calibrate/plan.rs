@@ -10,7 +10,7 @@ use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
 use crate::cli::open::{ModelArguments, embodied};
 use crate::cli::{Outcome, output, progress};
 use crate::creature::JointSelection;
-use crate::record::{calibration_table, name_of, read_robot};
+use crate::session::{calibration_table, name_of, read_robot};
 use crate::simulation::MotionName;
 
 /// Choose the touches that would tell most about what is unknown of a robot.

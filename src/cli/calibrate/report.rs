@@ -6,7 +6,7 @@ use super::results::{REACH, Results, kind};
 use crate::calibration::SeenTouch;
 use crate::calibration::robot::Value;
 use crate::cli::output;
-use crate::record::{RobotFile, name_of};
+use crate::session::{RobotFile, name_of};
 use crate::view::report::calibration::{CalibrationReport, ReportedQuantity, ReportedTouch};
 
 /// Pairs of parameters that are known together, at the most.

@@ -9,7 +9,7 @@ use crate::calibration::robot::{Quantity, Robot};
 use crate::calibration::{Estimator, FEWEST_HELD_OUT, Fit, Judgement, Misses, Objection, SeenTouch, Touch};
 use crate::cli::folders::{Force, free_folder};
 use crate::cli::{Failure, Outcome, output};
-use crate::record::{FolderLock, RobotFile, RobotFormat, json_of};
+use crate::session::{FolderLock, RobotFile, RobotFormat, json_of};
 use crate::view::report::REPORT_FILE;
 use crate::view::report::calibration::html;
 

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::results::Results;
 use crate::calibration::robot::Value;
-use crate::record::{joint_cells, joint_titles, name_of};
+use crate::session::{joint_cells, joint_titles, name_of};
 
 impl Results<'_> {
     /// What was found, a line for each number.

@@ -8,14 +8,14 @@ use super::super::learned::warn_truncated;
 use super::super::open::session_body;
 use super::{RenderArguments, RenderSubject, posture};
 use crate::creature::{Body, Creature, JointSelection};
-use crate::experiment::{ModelSource, same_tree};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
-use crate::record::{
-    Checkpoint, LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
-};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
+use crate::session::{
+    Checkpoint, LearningRecord, ModelSource, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema,
+    read_touches, same_tree,
+};
 use crate::view::picture::{SessionDrawing, Storyboard};
 
 /// Touches of a film that says nothing of them.

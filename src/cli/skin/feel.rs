@@ -13,10 +13,10 @@ use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
-use crate::record::{
+use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
+use crate::session::{
     FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
 };
-use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
 use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
 

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use crate::cli::open::session_body;
 use crate::cli::{Failure, Outcome, output, progress};
 use crate::evaluation::MapAgreement;
-use crate::record::{FIRINGS_FILE, ReadLock, Session, read_firings, write_map};
 use crate::senses::learn_map;
+use crate::session::{FIRINGS_FILE, ReadLock, Session, read_firings, write_map};
 use crate::skin::SomatotopicMap;
 
 /// Learn which receptors are neighbours from nothing but when they fired.

@@ -7,10 +7,9 @@ use super::ShareRecord;
 use crate::babbling::{BoutsDone, Made};
 use crate::session::babbling::{check_same, new_session};
 use crate::session::{
-    BOUTS_FILE, BabblingEffort, BoutLine, BoutLog, FolderLock, RecordError, SESSION_FILE, Session,
-    TouchWriter, read_bouts,
+    BOUTS_FILE, BabblingEffort, BoutLine, BoutLog, Embodied, ExperimentError, FolderLock, Observer, Phase,
+    Provenance, RecordError, SESSION_FILE, Session, SessionSetup, TouchWriter, read_bouts,
 };
-use crate::session::{Embodied, ExperimentError, Observer, Phase, Provenance, SessionSetup};
 use crate::share::Share;
 
 /// A share of a session, with bouts still to make.

@@ -8,8 +8,7 @@ use super::making::check_bouts;
 use super::{Unready, made_shares};
 use crate::agent::Agent;
 use crate::babbling::RecordedBout;
-use crate::session::ExperimentError;
-use crate::session::{Session, Shares, TOUCHES_FILE, read_bouts, read_touches};
+use crate::session::{ExperimentError, Session, Shares, TOUCHES_FILE, read_bouts, read_touches};
 use crate::share::Share;
 
 /// Shares that are all made, of one session.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use crate::mujoco::Image;
-use crate::record::{PartFile, write_whole};
+use crate::session::{PartFile, write_whole};
 
 /// Endings of film files, and ffmpeg's names of their formats.
 const FORMATS: [(&str, &str); 5] =

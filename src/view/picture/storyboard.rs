@@ -9,9 +9,9 @@ use crate::agent::Agent;
 use crate::creature::{Body, Posture};
 use crate::mujoco::{self, GeomCopy, Mark};
 use crate::named::in_words;
-use crate::record::Checkpoint;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
+use crate::session::Checkpoint;
 use crate::view::text::{self, error_number};
 
 /// Seconds from one touch to the next.

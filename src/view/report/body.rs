@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::ReportInput;
-use crate::record::Checkpoint;
+use crate::session::Checkpoint;
 use crate::skin::{Receptor, Skin};
 use crate::view::body::{AURAS, Beside, BodyMesh, BodyScene, Layer, Look, MAP, Pose, SHADE, Skeleton, Step};
 use crate::view::text::plural;

@@ -13,7 +13,7 @@ const MOST_DOTS: usize = 1200;
 /// The picture; a sentence where nothing was kept to draw it from.
 pub(super) fn figure_of(input: &ReportInput) -> String {
     let drawn = |value: f64| value.abs().max(LEAST);
-    let of_checkpoints = |value: fn(&crate::record::Checkpoint) -> Option<f64>| -> Vec<[f64; 2]> {
+    let of_checkpoints = |value: fn(&crate::session::Checkpoint) -> Option<f64>| -> Vec<[f64; 2]> {
         let points = input.checkpoints.iter().filter(|checkpoint| checkpoint.touches > 0);
         points.filter_map(|checkpoint| Some([checkpoint.touches as f64, drawn(value(checkpoint)?)])).collect()
     };

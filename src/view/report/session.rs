@@ -4,13 +4,12 @@ use std::path::Path;
 
 use super::{ReportInput, html};
 use crate::evaluation::{Evaluation, evaluate_claims};
-use crate::experiment::{ExperimentError, LearningOptions};
 use crate::ground_truth::GroundTruth;
-use crate::record::{
-    Action, Host, LearningRecord, RecordError, SCHEMA_FILE, Session, SpaceRecord, read_predictions,
-    read_schema_with_std, write_whole,
-};
 use crate::senses::Touch;
+use crate::session::{
+    Action, ExperimentError, Host, LearningOptions, LearningRecord, RecordError, SCHEMA_FILE, Session,
+    SpaceRecord, read_predictions, read_schema_with_std, write_whole,
+};
 use crate::view::text::shell_words;
 
 /// The report, in a session's folder.

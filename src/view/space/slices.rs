@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::vtk::about;
 use crate::peripersonal::{Level, OwnBody, ReachableMap};
-use crate::record::{SpaceRecord, SpaceSlice};
+use crate::session::{SpaceRecord, SpaceSlice};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
 use crate::view::text::plain;
 

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::peripersonal::{Lattice, OwnBody, ReachableMap};
-use crate::record::write_whole;
+use crate::session::write_whole;
 
 /// Writes the maps: per hand 2 near, 1 far and 0 out of reach, in the box about all of them.
 ///

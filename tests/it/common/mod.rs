@@ -20,9 +20,9 @@ use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Certainty, Input, Learner, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::peripersonal::OwnBody;
-use bodyschema::record::RecordError;
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
+use bodyschema::session::RecordError;
 use bodyschema::simulation::{MotionName, Movers};
 
 /// Whether the engine is none of the family that Debian ships: docs/engines.md tells what is otherwise with these.

@@ -6,12 +6,12 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use bodyschema::agent::Agent;
-use bodyschema::record::{
+use bodyschema::senses::Firing;
+use bodyschema::session::{
     BabblingProgress, BoutLine, BoutLog, FiringWriter, LearningRecord, Session, SpaceRecord, SpaceSlice,
     read_bouts, read_calibration_log, read_creature, read_firings, read_known, read_learning_table, read_map,
     read_predictions, read_recording, read_robot, read_schema_with_std, read_touches, write_map,
 };
-use bodyschema::senses::Firing;
 use bodyschema::simulation::partner::Script;
 use bodyschema::skin::SomatotopicMap;
 use bodyschema::study::{Asked, StudyOptions, StudyShare};
@@ -402,7 +402,7 @@ impl Yard {
 
 /// A robot that MuJoCo does not read: that one may crash, and has a process of its own.
 fn robot_but_mjcf(path: &Path) -> Ending {
-    if bodyschema::record::is_mjcf(path) {
+    if bodyschema::session::is_mjcf(path) {
         return Ending::Refused("MJCF is read by processes of their own".into());
     }
     taken(read_robot(path))

@@ -164,7 +164,7 @@ fn degrees_where_radians_are_meant_are_refused_or_told() {
 }
 
 fn read_log(folder: &Path) -> Result<Vec<String>, String> {
-    let agent = bodyschema::record::read_creature(&folder.join("c.json")).unwrap().agent;
-    let read = bodyschema::record::read_recording(&folder.join("l.csv"), &agent);
+    let agent = bodyschema::session::read_creature(&folder.join("c.json")).unwrap().agent;
+    let read = bodyschema::session::read_recording(&folder.join("l.csv"), &agent);
     read.map(|recording| recording.notes).map_err(|error| error.to_string())
 }
