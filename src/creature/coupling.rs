@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::from_model::joint_name;
-use super::{BodyError, Creature, Dof};
+use super::body_error::BodyError;
+use super::names::joint_name;
+use super::{Creature, Dof};
 use crate::mujoco::{Equality, Model};
 
 /// Places at which a leader's range is tried against its follower's.

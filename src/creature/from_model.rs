@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+use super::body_error::BodyError;
 use super::coupling::couple;
+use super::names::{body_name, free_name, joint_name};
 use super::selection::{JointSelection, Tree, select};
-use super::{AuraLimb, Body, Creature, CreatureError, Dof, DofKind, Joint, Segment};
+use super::{AuraLimb, Body, Creature, Dof, DofKind, Joint, Segment};
 use crate::geometry::Shape;
 use crate::mujoco::{self, JointKind, Model, ModelJoint, ObjectKind};
 use crate::plausible::bounded;
@@ -18,23 +20,6 @@ pub(crate) const LIMB_TUPLE: &str = "limb/";
 const SAME_ANCHOR: f64 = 1e-9;
 /// Half the span of postures for a slide without limits, metres.
 pub(crate) const UNLIMITED_SLIDE: f64 = 0.5;
-
-/// Why a model has no creature that can learn.
-#[derive(Debug, thiserror::Error)]
-pub enum BodyError {
-    /// The engine failed.
-    #[error(transparent)]
-    Engine(#[from] mujoco::Error),
-    /// Nothing can move.
-    #[error("the model has no hinge, slide or ball joint: give a creature that can move")]
-    NoJoints,
-    /// The model or what is asked of it is unsuitable: the fault and the fix.
-    #[error("{0}")]
-    Unsuitable(String),
-    /// The tree could not be put together.
-    #[error("the model's tree cannot be read: {0}")]
-    Tree(#[from] CreatureError),
-}
 
 impl Body {
     /// Reads the creature that moves the selected joints; of several kinematic trees in a model the one with
@@ -257,32 +242,6 @@ fn unused(name: String, joints: &[Joint]) -> String {
         return name;
     }
     (2..).map(|k| format!("{name}_{k}")).find(|name| !taken(name)).expect("some number is free")
-}
-
-/// A body's name, or one made from its number that no other has.
-pub(crate) fn body_name(model: &Model, body: usize) -> String {
-    let made = || free_name(model, ObjectKind::Body, format!("body{body}"));
-    model.body(body).name.map_or_else(made, str::to_string)
-}
-
-/// A joint's name, or one made from its number that no other has.
-pub(crate) fn joint_name(model: &Model, joint: usize) -> String {
-    let made = || free_name(model, ObjectKind::Joint, format!("joint{joint}"));
-    model.joint(joint).name.map_or_else(made, str::to_string)
-}
-
-/// A site's name, or one made from its number that no other has, as receptors are called.
-pub(crate) fn site_name(model: &Model, site: usize) -> String {
-    let made = || free_name(model, ObjectKind::Site, format!("site{site}"));
-    model.site(site).name.map_or_else(made, str::to_string)
-}
-
-/// A name with underscores behind it where one of a kind has it in the model.
-fn free_name(model: &Model, kind: ObjectKind, mut name: String) -> String {
-    while model.id(kind, &name).is_some() {
-        name.push('_');
-    }
-    name
 }
 
 /// The aura limbs that the model's tuples define; each limb by itself where it defines none.

@@ -3,8 +3,10 @@
 
 mod appearance;
 mod body;
+mod body_error;
 mod coupling;
 mod from_model;
+mod names;
 mod posture;
 mod selection;
 
@@ -14,11 +16,10 @@ use serde::{Deserialize, Serialize};
 
 pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
+pub use body_error::BodyError;
 pub use coupling::Coupling;
-pub use from_model::BodyError;
-pub(crate) use from_model::{
-    LIMB_TUPLE, UNLIMITED_SLIDE, body_name, joint_name, limits, matrix, site_name, span,
-};
+pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limits, matrix, span};
+pub(crate) use names::{body_name, joint_name, site_name};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub use selection::{CreatureInFile, JointSelection, creatures};
 

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{BodyError, body_name};
+use super::body_error::BodyError;
+use super::names::body_name;
 use crate::mujoco::{JointKind, Model, ObjectKind};
 
 /// Tuples of a model whose name starts with this list the joints of one named set.

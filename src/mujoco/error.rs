@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::engine::version_text;
-
 /// A failure of the engine, of a model's file, or of what was handed to the engine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -78,3 +76,20 @@ pub enum Error {
 
 /// A result of the MuJoCo layer.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// A version number as people write it: 222 and 2002002 are both "2.2.2".
+pub(super) fn version_text(number: i32) -> String {
+    let base = if number < 1000 { 10 } else { 1000 };
+    format!("{}.{}.{}", number / (base * base), number / base % base, number % base)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_read_as_people_write_them() {
+        assert_eq!(version_text(222), "2.2.2");
+        assert_eq!(version_text(3_017_000), "3.17.0");
+    }
+}

@@ -509,7 +509,6 @@ fn a_foreign_or_empty_session_is_refused_by_name() {
     has(&place.fails(&["report", "nowhere"]), &["nowhere"]);
     fs::create_dir(place.path("empty")).unwrap();
     has(&place.fails(&["learn", "empty"]), &["empty: it is no session's folder", "babble"]);
-    has(&place.fails(&["learn", "arms.xml"]), &["it is a model's file", "bodyschema babble arms.xml"]);
     has(&place.fails(&["babble", "session"]), &["it is a session's folder and no model", "arms.xml"]);
     has(&place.fails(&["babble"]), &["mjcf/max/max.xml", "name a model"]);
 

@@ -1,10 +1,7 @@
 //! What a calibration found, for the page to read.
 
-use nalgebra::{Rotation3, Vector3};
-
-use super::results::{REACH, Results, kind};
+use super::results::{REACH, Results, kind, words};
 use crate::calibration::SeenTouch;
-use crate::calibration::robot::Value;
 use crate::cli::output;
 use crate::session::{RobotFile, name_of};
 use crate::view::report::calibration::{CalibrationReport, ReportedQuantity, ReportedTouch};
@@ -80,20 +77,5 @@ impl Results<'_> {
             }
         };
         self.fit.seen.iter().map(one).collect()
-    }
-}
-
-/// A value as a person reads it.
-pub(super) fn words(value: &Value, factor: f64) -> String {
-    let three = |v: Vector3<f64>, decimals: usize| {
-        format!("{:.*} {:.*} {:.*}", decimals, v.x, decimals, v.y, decimals, v.z)
-    };
-    match value {
-        Value::Position(at) => three(at * factor, 3),
-        Value::Direction(axis) => three(*axis, 4),
-        Value::Orientation(rotation) => {
-            three(Rotation3::from_matrix_unchecked(*rotation).scaled_axis() * factor, 3)
-        }
-        Value::Number(number) => format!("{:.4}", number * factor),
     }
 }

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use nalgebra::{Rotation3, Vector3};
 use serde_json::json;
 
-use super::report::words;
-use crate::calibration::robot::{Quantity, Robot};
+use crate::calibration::robot::{Quantity, Robot, Value};
 use crate::calibration::{Estimator, FEWEST_HELD_OUT, Fit, Judgement, Misses, Objection, SeenTouch, Touch};
 use crate::cli::folders::{Force, free_folder};
 use crate::cli::{Failure, Outcome, output};
@@ -305,4 +305,19 @@ fn mean(judged: &[Judgement], of: impl Fn(&Judgement) -> Misses) -> Misses {
     let sum =
         |part: fn(&Misses) -> f64| judged.iter().map(|judgement| part(&of(judgement))).sum::<f64>() / count;
     Misses { rms: sum(|m| m.rms), median: sum(|m| m.median), p95: sum(|m| m.p95), max: sum(|m| m.max) }
+}
+
+/// A value as a person reads it.
+pub(super) fn words(value: &Value, factor: f64) -> String {
+    let three = |v: Vector3<f64>, decimals: usize| {
+        format!("{:.*} {:.*} {:.*}", decimals, v.x, decimals, v.y, decimals, v.z)
+    };
+    match value {
+        Value::Position(at) => three(at * factor, 3),
+        Value::Direction(axis) => three(*axis, 4),
+        Value::Orientation(rotation) => {
+            three(Rotation3::from_matrix_unchecked(*rotation).scaled_axis() * factor, 3)
+        }
+        Value::Number(number) => format!("{:.4}", number * factor),
+    }
 }
