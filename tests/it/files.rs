@@ -509,10 +509,10 @@ fn numbers_that_are_not_finite_leave_their_touch_out_and_are_told() {
         ("log.csv", csv("0.2,", "NaN,"), "line 4: column 4, ay: NaN is not finite"),
         ("log.csv", csv("0.2,", "-inf,"), "line 4: column 4, ay: -inf is not finite"),
         ("log.csv", csv("0.25", "nan"), "line 4: column 9, lift: nan is not finite"),
-        ("log.jsonl", json("/contacts/0/2", "NaN"), "line 3: contacts[0] is not three finite numbers"),
-        ("log.jsonl", json("/contacts/1/0", "-Infinity"), "line 3: contacts[1] is not three finite numbers"),
-        ("log.jsonl", json("/posture/lift", "Infinity"), "line 3: posture: lift is null or NaN"),
-        ("log.jsonl", json("/posture/lift", "null"), "line 3: posture: lift is null or NaN"),
+        ("log.jsonl", json("/contacts/0/2", "NaN"), "line 3: az: NaN is not finite"),
+        ("log.jsonl", json("/contacts/1/0", "-Infinity"), "line 3: bx: NaN is not finite"),
+        ("log.jsonl", json("/posture/lift", "Infinity"), "line 3: lift: NaN is not finite"),
+        ("log.jsonl", json("/posture/lift", "null"), "line 3: lift: NaN is not finite"),
     ] {
         let read = recording(name, &text).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(read.touches.len(), 3, "{text}");
