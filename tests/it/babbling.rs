@@ -380,13 +380,13 @@ mod slow {
         for name in ["hexapod", "octopus", "snake", "fourarms", "sauropod", "contraption"] {
             let model = Model::from_path(repository(&format!("mjcf/{name}/{name}.xml"))).unwrap();
             let body = Body::new(Arc::new(model), &JointSelection::All).unwrap();
-            assert_nothing_jumped(name, Judge::of_surface(&body), 100, FINE);
+            assert_nothing_jumped(name, Judge::of_surface(&body), 40, FINE);
         }
         for (name, xml) in meshes::bodies() {
-            assert_nothing_jumped(&name, Judge::of_surface(&creature(&xml)), 100, FINE);
+            assert_nothing_jumped(&name, Judge::of_surface(&creature(&xml)), 40, FINE);
         }
         for (name, body) in other_shapes() {
-            assert_nothing_jumped(name, Judge::of_surface(&body), 150, FINE);
+            assert_nothing_jumped(name, Judge::of_surface(&body), 60, FINE);
         }
     }
 }
