@@ -118,9 +118,11 @@ impl LearningArguments {
 struct DisturbanceArguments {
     /// Standard deviation of every joint angle in every touch, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = deviation)]
+    #[serde(rename = "joint_noise_deg")]
     joint_noise: f64,
     /// Standard deviation, per coordinate, of where the agent believes each receptor, millimetres
     #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
+    #[serde(rename = "receptor_noise_mm")]
     receptor_noise: f64,
     /// Share of touches with a wrong receptor at one end, 0 to below 1
     #[arg(long, value_name = "FRACTION", default_value_t = 0.0, value_parser = share)]
@@ -128,6 +130,7 @@ struct DisturbanceArguments {
     /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; only
     /// `--input contact` feels it
     #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
+    #[serde(rename = "point_noise_mm")]
     point_noise: f64,
 }
 

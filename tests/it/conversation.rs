@@ -4,8 +4,9 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 
 use crate::common::{repository, sessions};
-use crate::interaction::{at_table, common_engine, learned_max};
+use crate::interaction::{at_table, at_table_trying, learned_max};
 use bodyschema::interaction::{Conversation, Intent, Reply};
+use bodyschema::simulation::Stage;
 use nalgebra::{Point3, Vector3};
 
 /// Says something, and shows what is answered.
@@ -87,7 +88,13 @@ fn questions_prohibitions_and_reports_do_not_move_him() {
 
 #[test]
 fn how_big_a_thing_is_he_tells_once_he_has_felt_its_shape() {
-    let (stage, mut talk) = at_table(learned_max(400));
+    // In about half of all conversations he pushes the thing in feeling it, and then claims nothing.
+    let told = (1..=4).any(|seed| tells_how_big_once_he_has_felt_it(at_table_trying(learned_max(400), seed)));
+    assert!(told, "he pushed the thing in each of four conversations");
+}
+
+/// Whether he came to know a thing's shape; what he says of its size is true either way.
+fn tells_how_big_once_he_has_felt_it((stage, mut talk): (Stage, Conversation)) -> bool {
     let reply = say(&mut talk, "is there something in front of you?");
     let thing = reply.felt[0]["thing"].as_u64().unwrap() as usize;
     let before = say(&mut talk, "how big is it?").said;
@@ -96,12 +103,10 @@ fn how_big_a_thing_is_he_tells_once_he_has_felt_its_shape() {
     assert_eq!(reply.intent, Intent::FeelShape, "{}", reply.said);
     let time = stage.time();
     if reply.done == Some(false) {
-        // On other engines than Debian's he may meet another thing, or push it: then he claims nothing.
-        assert!(!common_engine(&stage), "{}", reply.said);
         assert!(reply.said.contains("I do not know its shape"), "{}", reply.said);
         let said = say(&mut talk, "how big is it?").said;
         assert!(said.contains("one place only"), "{said}");
-        return;
+        return false;
     }
     let said = say(&mut talk, "how big is it?").said;
     assert_eq!(stage.time(), time, "what he has felt he only tells");
@@ -119,6 +124,7 @@ fn how_big_a_thing_is_he_tells_once_he_has_felt_its_shape() {
         .collect();
     assert_eq!(told.len(), 3, "{said}");
     assert!(told.iter().zip(truly).all(|(told, truly)| (told - truly).abs() <= 2.0), "{said}: {truly:?}");
+    true
 }
 
 #[test]
