@@ -11,6 +11,9 @@ pub use urdf::{Urdf, to_urdf};
 use crate::agent::Agent;
 use crate::schema::BodySchema;
 
+/// A file to write: where, and its bytes.
+pub type ExportedFile = (PathBuf, Vec<u8>);
+
 /// A format that a learned body is written in.
 pub struct ExportFormat {
     /// How its files end.
@@ -18,7 +21,7 @@ pub struct ExportFormat {
     /// What it is.
     pub about: &'static str,
     /// The files of a body, of which the last has the name given and refers to the others.
-    pub files: fn(&Agent, &BodySchema, &Path) -> Vec<(PathBuf, Vec<u8>)>,
+    pub files: fn(&Agent, &BodySchema, &Path) -> Vec<ExportedFile>,
 }
 
 /// All formats.

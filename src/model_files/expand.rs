@@ -231,10 +231,10 @@ impl Expansion<'_> {
             }
             _ => {
                 let material = plain.remove("material");
-                if let Some(colour) = material.and_then(|material| self.colours.get(&material)) {
-                    if !plain.has("rgba") {
-                        plain.set("rgba", colour);
-                    }
+                if let Some(colour) = material.and_then(|material| self.colours.get(&material))
+                    && !plain.has("rgba")
+                {
+                    plain.set("rgba", colour);
                 }
                 if plain.get("fromto").is_none() {
                     let pose = self.angles.pose(&plain);

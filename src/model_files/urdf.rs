@@ -154,7 +154,7 @@ impl Parts<'_> {
 
     /// The geom of a `<collision>` or `<visual>`; none where it has a shape that cannot be read.
     fn geom(&mut self, described: &Element) -> Result<Option<Element>, Refused> {
-        let shape = described.child("geometry").and_then(|e| e.children.iter().find_map(|e| Some(e)));
+        let shape = described.child("geometry").and_then(|e| e.children.first());
         let Some(shape) = shape else {
             self.left_out.lose(format!("<{}> without geometry", described.name), 1);
             return Ok(None);

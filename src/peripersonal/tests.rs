@@ -72,7 +72,7 @@ fn a_hand_in_another_limb_is_not_free_unless_that_was_harmless() {
     // Moving the shoulder alone changes nothing between arm and hand.
     assert!(clearance.moved_by(&own, &[0]).near(&folded, 0.0).iter().all(|near| near.limb == 0));
     // What is as near in a pose that was harmless may be as near again.
-    assert!(clearance.eased_at(&[folded.clone()], 0.01).free(&folded, 0.01));
+    assert!(clearance.eased_at(std::slice::from_ref(&folded), 0.01).free(&folded, 0.01));
 }
 
 #[test]

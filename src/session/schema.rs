@@ -323,11 +323,10 @@ impl JointEntry {
     }
 }
 
-/// Degree of freedom, axis and deviation of every axis.
-fn read_axes(
-    axes: &[AxisEntry],
-    joint: &Joint,
-) -> Result<Vec<(usize, Vector3<f64>, Option<Option<f64>>)>, String> {
+/// A degree of freedom, its axis, and the axis' deviation: null where nothing determines it, `None` where none is given.
+type ReadAxis = (usize, Vector3<f64>, Option<Option<f64>>);
+
+fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String> {
     if axes.len() != joint.dofs.len() {
         return Err(format!(
             "has {} axes in place of {}: give one for each degree of freedom, in their order",

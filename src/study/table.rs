@@ -80,7 +80,7 @@ impl Table {
         let first =
             |key: &[Value]| groups.iter().position(|(other, _)| other[..cases.len()] == key[..cases.len()]);
         let order: Vec<usize> = groups.iter().filter_map(|(key, _)| first(key)).collect();
-        let mut placed: Vec<(usize, (Vec<Value>, Vec<&Row>))> = order.into_iter().zip(groups).collect();
+        let mut placed: Vec<_> = order.into_iter().zip(groups).collect();
         placed.sort_by_key(|(first, _)| *first);
         let measures = || {
             let of = columns.iter().flat_map(|column| column.by.iter().map(move |by| (column.name, *by)));

@@ -137,7 +137,7 @@ fn columns_of(table: &mut Table, coordinates: &[(String, Option<Measure>)]) -> R
     for side in [0, 1] {
         let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
         let has = |name: &str| columns.place(name).is_some();
-        if !has(receptor) && !(has(limb) && has(x)) {
+        if !(has(receptor) || has(limb) && has(x)) {
             let missing = if has(limb) { x } else { limb };
             return Err(format!(
                 "there is no column {missing}: give {limb} with {x}, {y}, {z}, or {receptor}"

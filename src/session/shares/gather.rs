@@ -69,15 +69,18 @@ impl Unready {
     }
 }
 
+/// The shares of some work, each with its folder and record.
+pub type MadeShares<R> = Vec<(Share, PathBuf, R)>;
+
 /// All shares of some work with their records and folders, if all are made; else which are not.
 ///
 /// # Errors
 /// If a record cannot be read, or the shares are not all of the same work.
 pub fn made_shares<R: ShareRecord>(
     shares: &Shares,
-) -> Result<Result<Vec<(Share, PathBuf, R)>, Unready>, ExperimentError> {
+) -> Result<Result<MadeShares<R>, Unready>, ExperimentError> {
     let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
-    let mut made: Vec<(Share, PathBuf, R)> = Vec::new();
+    let mut made: MadeShares<R> = Vec::new();
     for (share, folder) in shares.begun() {
         // One that was killed at once has none yet.
         if !R::is_in(folder) {

@@ -87,7 +87,7 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
     let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(fault.to_string()))?;
     if !sensors.is_empty() {
         let section = root.section("sensor");
-        section.children.extend(sensors.into_iter());
+        section.children.extend(sensors);
     }
     // What the engine was given in memory, so that it reads the file at all, stands in the file, too.
     let root = Model::accepted(root, path)?;

@@ -77,8 +77,11 @@ pub struct ReportInput<'a> {
     pub open_directions: &'a [String],
 }
 
-/// The sections of the page, below the body: a title, and what makes its content.
-const SECTIONS: [(&str, fn(&ReportInput) -> String); 10] = [
+/// A section of the page: its title, and what makes its content.
+type Section = (&'static str, fn(&ReportInput) -> String);
+
+/// The sections of the page, below the body.
+const SECTIONS: [Section; 10] = [
     ("How well it was learned", tables::errors),
     ("What stays undetermined", tables::undetermined),
     ("Located limbs", tables::limbs),
