@@ -291,7 +291,7 @@ impl OwnBody {
         }
     }
 
-    /// Whether skin of a limb can be put into the frame of another at a posture: to [`TRUSTED`], or as exactly as noisy touches tell
+    /// Whether skin of a limb can be put into the frame of another at a posture: to what acting trusts, or as exactly as noisy touches tell
     /// at all.
     ///
     /// # Errors
