@@ -34,13 +34,8 @@ pub fn learned_max(touches: usize) -> OwnBody {
 }
 
 pub fn at_table(own: OwnBody) -> (Stage, Conversation) {
-    at_table_trying(own, 1)
-}
-
-/// The same, of a creature whose ways are drawn from another seed.
-pub fn at_table_trying(own: OwnBody, seed: u64) -> (Stage, Conversation) {
     let stage = Stage::new(&repository("mjcf/max/table.xml"), &StageOptions::default()).unwrap();
-    let mut actor = Actor::new(own, stage.handle(), ["left_hand", "right_hand"], seed).unwrap();
+    let mut actor = Actor::new(own, stage.handle(), ["left_hand", "right_hand"], 1).unwrap();
     stage.place(&actor.ready()).unwrap();
     (stage, Conversation::new(actor).unwrap())
 }
