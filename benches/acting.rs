@@ -36,7 +36,7 @@ fn acting(criterion: &mut Criterion) {
     let wanted: Vec<f64> = at_ease.iter().map(|_| rng.random_range(-4.0..4.0)).collect();
     let solve = |posture: &[f64], along: bool| {
         let frames = own.frames(posture);
-        let mut program = VelocityProgram::new(&own, posture, &joints, FASTEST, STEP);
+        let mut program = VelocityProgram::new(&own, posture, &frames, &joints, FASTEST, STEP);
         if along {
             wanted.iter().enumerate().for_each(|(q, velocity)| program.want_joint(q, *velocity, 1.0));
         }

@@ -7,7 +7,6 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-use nix::time::{ClockId, clock_gettime};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -152,12 +151,6 @@ pub fn side_by_side<I: Send, T: Send>(
 pub fn in_parallel<I: Send, T: Send>(items: Vec<I>, run: impl Fn(I) -> T + Sync) -> Vec<T> {
     let made = side_by_side(worked(), items, run).into_iter();
     made.map(|(found, done)| (found, count(done)).0).collect()
-}
-
-/// For how long this process has computed, on all its threads together.
-pub fn computed() -> Duration {
-    // Every system has this clock.
-    clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID).map(Duration::from).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Opening the files that somebody gives. A device that never ends is refused.
+//! Opening the files that somebody gives. Devices other than terminals are refused.
 
 use std::fs::{self, File};
 use std::io::{self, IsTerminal, Read};

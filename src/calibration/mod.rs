@@ -33,7 +33,7 @@ pub use judgement::{
 pub use noise::{Noise, NoiseSource, Seen};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
-pub use repeats::{SAME_POINT, SAME_POSTURE, drop_repeats, first_alike};
+pub use repeats::{SAME_POINT, SAME_POSTURE, drop_alike, drop_repeats};
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};
 pub use unknowns::Unknowns;

@@ -11,7 +11,7 @@ pub const SAME_POINT: f64 = 1e-4;
 
 /// For every row the first one that it is alike to, itself where there is none: of the same key, and no number differs by more
 /// than 1. Numbers are of one count for a key.
-pub fn first_alike<K: PartialEq>(rows: &[(K, Vec<f64>)]) -> Vec<usize> {
+fn first_alike<K: PartialEq>(rows: &[(K, Vec<f64>)]) -> Vec<usize> {
     // Rows that are alike are near each other in any mean; no weights that a grid of postures would repeat.
     let weight = |k: usize| 0.5 + 0.5 * (0.618_033_988_75 * (k + 1) as f64).fract();
     let mean = |numbers: &[f64]| numbers.iter().enumerate().map(|(k, x)| weight(k) * x).sum::<f64>();
@@ -46,31 +46,32 @@ pub fn postures(touches: &[Touch]) -> Vec<usize> {
 
 /// Leaves of touches that repeat one another the first; how many went.
 pub fn drop_repeats(touches: &mut Vec<Touch>) -> usize {
-    let rows: Vec<_> = touches
-        .iter()
-        .map(|touch| {
-            let mut numbers = posture(touch);
-            numbers.push(touch.distance / SAME_POINT);
-            let mut met = Vec::new();
-            for (side, end) in
-                touch.ends.iter().enumerate().flat_map(|(side, ends)| ends.iter().map(move |end| (side, end)))
-            {
-                met.push(match end.feature {
-                    Feature::Point(link, point) => {
-                        numbers.extend(point.iter().map(|x| x / SAME_POINT));
-                        (side, false, link)
-                    }
-                    Feature::Surface(surface) => (side, true, surface),
-                });
-            }
-            (met, numbers)
-        })
-        .collect();
-    let first = first_alike(&rows);
-    let before = touches.len();
+    drop_alike(touches, |touch| {
+        let mut numbers = posture(touch);
+        numbers.push(touch.distance / SAME_POINT);
+        let mut met = Vec::new();
+        for (side, end) in
+            touch.ends.iter().enumerate().flat_map(|(side, ends)| ends.iter().map(move |end| (side, end)))
+        {
+            met.push(match end.feature {
+                Feature::Point(link, point) => {
+                    numbers.extend(point.iter().map(|x| x / SAME_POINT));
+                    (side, false, link)
+                }
+                Feature::Surface(surface) => (side, true, surface),
+            });
+        }
+        (met, numbers)
+    })
+}
+
+/// Leaves of those that are alike by their key and numbers the first; how many went.
+pub fn drop_alike<T, K: PartialEq>(all: &mut Vec<T>, row: impl Fn(&T) -> (K, Vec<f64>)) -> usize {
+    let first = first_alike(&all.iter().map(row).collect::<Vec<_>>());
+    let before = all.len();
     let mut keep = first.iter().enumerate().map(|(i, of)| i == *of);
-    touches.retain(|_| keep.next().unwrap_or(true));
-    before - touches.len()
+    all.retain(|_| keep.next().unwrap_or(true));
+    before - all.len()
 }
 
 fn posture(touch: &Touch) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::robot::{Knowledge, Robot, Unit, Value};
-use crate::kinematics::tangent_basis;
+use crate::geometry::tangent_basis;
 use crate::learning::least_squares::Linearization;
 
 /// How far what is free may be off from the maker's value, metres, radians and ratios.

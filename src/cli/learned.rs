@@ -1,4 +1,4 @@
-//! What was learned, as `babble`, `learn` and `evaluate` print it.
+//! What was learned, as `babble`, `learn` and `report` print it.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::view::text::{self, plural, shell_words};
 use crate::view::tone::Tone;
 
 /// Why nothing is known of a body: learning failed, or its learner makes no judgement.
-pub const UNCONFIRMED: &str = "no held-out touches confirm the schema";
+const UNCONFIRMED: &str = "no held-out touches confirm the schema";
 /// Where touches told too little, so many times as many are proposed.
 const MORE: usize = 3;
 
@@ -39,10 +39,9 @@ pub fn learn_and_report(
     let result = learn_session(folder, babbled, options, truth, &command, observer)?;
     write_report(folder, &babbled.session, &babbled.touches, truth)?;
     // One that cannot be read is not known to be worth nothing.
-    let way = |folder: &Path| LearningRecord::read(folder, creature).ok().flatten();
-    let (before, now) = (way(lock.place()), way(folder));
+    let before = LearningRecord::read(lock.place(), creature).ok().flatten();
     let worthless = before.as_ref().is_some_and(|before| !before.converged);
-    let alike = before.is_some_and(|before| now.is_some_and(|now| now.is_learned_as(&before)));
+    let alike = before.is_some_and(|before| result.record.is_learned_as(&before));
     if !lock.replaces()
         && !worthless
         && !alike

@@ -92,7 +92,7 @@ pub fn known_truth(session: &Session, model: Option<&Path>) -> Result<Option<Gro
     if session.model.is_empty() && model.is_none() {
         return Ok(None);
     }
-    match session_truth(session, model) {
+    match session_body(session, model, false).and_then(|body| Ok(GroundTruth::new(&body)?)) {
         Ok(truth) => Ok(Some(truth)),
         Err(error) if model.is_some() => Err(error),
         Err(Failure(sentence)) => {
@@ -100,11 +100,6 @@ pub fn known_truth(session: &Session, model: Option<&Path>) -> Result<Option<Gro
             Ok(None)
         }
     }
-}
-
-/// The truth of a session's creature, from its model.
-pub fn session_truth(session: &Session, model: Option<&Path>) -> Result<GroundTruth, Failure> {
-    Ok(GroundTruth::new(&session_body(session, model, false)?)?)
 }
 
 /// Whether the engine survives a model: a process of its own reads it, for a foreign file can crash the engine's

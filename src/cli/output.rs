@@ -67,7 +67,7 @@ pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
 
 /// Why a file of results is not written.
 pub fn not_written(path: &Path) -> impl FnOnce(std::io::Error) -> RecordError {
-    move |source| RecordError::Io { path: path.to_path_buf(), action: Action::Write, source }
+    RecordError::io(path, Action::Write)
 }
 
 /// A summary as a row of a table, in its own unit.

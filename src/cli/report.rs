@@ -45,9 +45,8 @@ pub fn run(args: &ReportArguments) -> Outcome {
     warn_truncated(&log, folder);
     let schema = read_schema(&folder.join(SCHEMA_FILE), session.agent.creature())?;
     let truth = known_truth(&session, args.model.as_deref())?;
-    let record = LearningRecord::read_or_unknown(folder, session.agent.creature())?;
     let spinner = progress::spinner("measuring");
-    let evaluation = write_report(folder, &session, &log.touches, truth.as_ref())?;
+    let (record, evaluation) = write_report(folder, &session, &log.touches, truth.as_ref())?;
     let touches = &log.touches[..record.touches.min(log.touches.len())];
     let residual = touch_misses(&session.agent, &schema, touches);
     spinner.finish_and_clear();

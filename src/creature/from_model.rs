@@ -9,7 +9,7 @@ use super::body_error::BodyError;
 use super::coupling::couple;
 use super::names::{body_name, free_name, joint_name};
 use super::selection::{JointSelection, Tree, select};
-use super::{AuraLimb, Body, Creature, Dof, DofKind, Joint, Segment};
+use super::{AuraLimb, Body, Creature, CreatureError, Dof, DofKind, Joint, Segment};
 use crate::geometry::Shape;
 use crate::mujoco::{self, JointKind, Model, ModelJoint, ObjectKind};
 use crate::plausible::bounded;
@@ -67,10 +67,7 @@ impl Body {
             let info = model.body(body);
             let parent = if info.parent == 0 { Some(0) } else { limb_of_body[info.parent] };
             let mut limb = parent.ok_or_else(|| {
-                let name = body_name(&model, body);
-                BodyError::Unsuitable(format!(
-                    "the model's tree cannot be read: body {name} comes before its parent"
-                ))
+                CreatureError(format!("body {} comes before its parent", body_name(&model, body)))
             })?;
             let groups = group_by_anchor(&model, info.joints.filter(|&j| chosen(j)));
             let count = groups.len();

@@ -8,6 +8,7 @@ use crate::schema::BodySchema;
 use crate::senses::Touch;
 
 /// The contact residuals of touches.
+#[derive(Clone, Debug)]
 pub struct ContactResiduals {
     /// Per touch, the two limbs and the residual, millimetres.
     pub values: Vec<([usize; 2], f64)>,

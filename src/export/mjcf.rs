@@ -5,10 +5,11 @@
 //! original are not known, so the model is for kinematics and collision; gravity is off.
 
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::{ExportedFile, add, limb_pose};
 use crate::agent::Agent;
 use crate::creature::{Creature, Dof, DofKind, LIMB_TUPLE};
 use crate::geometry::Frame;
@@ -89,7 +90,7 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
 }
 
 /// The file of a body.
-pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<ExportedFile> {
     vec![(path.to_path_buf(), to_mjcf(agent, schema).into_bytes())]
 }
 
@@ -113,7 +114,7 @@ fn body(agent: &Agent, schema: &BodySchema, names: &[String], limb: usize) -> El
     let mut body = element("body", &[("name", names[limb].clone())]);
     if let Some(j) = creature.joint_of(limb) {
         // A limb's own frame is the body's: at (Q, c) on the joint, which is seen from there.
-        let pose = schema.limb_poses.get(j).copied().unwrap_or(Frame::identity());
+        let pose = limb_pose(creature, schema, limb);
         body.set("pos", exact(&(schema.positions[j] + pose.origin)));
         let joint = &creature.joints()[j];
         for (k, dof) in joint.dof_indices().zip(&joint.dofs) {
@@ -167,7 +168,7 @@ fn joint_element(dof: &Dof, axis: &Vector3<f64>) -> Element {
 /// A surface as a geom; none for one that only its receptors tell of.
 fn geom(s: usize, surface: &Surface) -> Option<Element> {
     let (kind, size) = surface.shape.mjcf()?;
-    let mut geom = placed("geom", kind, &size, &surface.pose());
+    let mut geom = placed(element("geom", &[("type", kind.into())]), &size, &surface.pose());
     if kind == "mesh" {
         geom.remove("size");
         geom.set("mesh", hull_name(s));
@@ -180,32 +181,32 @@ fn hull_name(s: usize) -> String {
     format!("hull_{s}")
 }
 
-/// A thin box below a receptor, its outer face where the skin is.
-fn tile(receptor: &Receptor) -> Element {
-    let thin = half_thickness(receptor);
+/// A thin box below a receptor, its outer face where the skin is: its pose and half sides.
+pub(super) fn tile_box(receptor: &Receptor) -> (Frame, [f64; 3]) {
     let [u, v] = half_extents(receptor);
-    let centre = receptor.position - receptor.normal * thin;
-    placed("geom", "box", &[u, v, thin], &Frame { rotation: axes(receptor), origin: centre })
+    let thin = half_thickness(receptor);
+    (Frame { rotation: axes(receptor), origin: receptor.position - receptor.normal * thin }, [u, v, thin])
+}
+
+fn tile(receptor: &Receptor) -> Element {
+    let (pose, size) = tile_box(receptor);
+    placed(element("geom", &[("type", "box".into())]), &size, &pose)
 }
 
 /// A receptor's site.
 fn site(receptor: &Receptor) -> Element {
     let [u, v] = half_extents(receptor);
-    let size = [u, v, half_thickness(receptor)];
-    let mut site =
-        placed("site", "box", &size, &Frame { rotation: axes(receptor), origin: receptor.position });
-    site.remove("type");
-    let mut named = element("site", &[("class", "receptor".into()), ("name", receptor.id.clone())]);
-    named.attributes.extend(site.attributes);
-    named
+    let pose = Frame { rotation: axes(receptor), origin: receptor.position };
+    let named = element("site", &[("class", "receptor".into()), ("name", receptor.id.clone())]);
+    placed(named, &[u, v, half_thickness(receptor)], &pose)
 }
 
 /// A receptor without extent, as limbs have that no skin is known of, is marked by a small one.
-pub(super) fn half_extents(receptor: &Receptor) -> [f64; 2] {
+fn half_extents(receptor: &Receptor) -> [f64; 2] {
     if receptor.half_extents == [0.0; 2] { [MARK; 2] } else { receptor.half_extents }
 }
 
-pub(super) fn half_thickness(receptor: &Receptor) -> f64 {
+fn half_thickness(receptor: &Receptor) -> f64 {
     let [u, v] = half_extents(receptor);
     HALF_THICKNESS.min(THINNESS * u.min(v))
 }
@@ -215,15 +216,12 @@ fn axes(receptor: &Receptor) -> Matrix3<f64> {
     Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal])
 }
 
-/// A geom or site at a pose in its limb's frame.
-fn placed(tag: &str, kind: &str, size: &[f64], pose: &Frame) -> Element {
-    let attributes = [
-        ("type", kind.into()),
-        ("pos", exact(&pose.origin)),
-        ("quat", exact(&pose.wxyz())),
-        ("size", exact(size)),
-    ];
-    element(tag, &attributes)
+/// A geom or site put at a pose in its limb's frame.
+fn placed(mut element: Element, size: &[f64], pose: &Frame) -> Element {
+    element.set("pos", exact(&pose.origin));
+    element.set("quat", exact(&pose.wxyz()));
+    element.set("size", exact(size));
+    element
 }
 
 /// Neighbouring limbs that must not collide though MuJoCo would let them.
@@ -246,8 +244,4 @@ fn excluded(agent: &Agent) -> Vec<[usize; 2]> {
         }
     }
     pairs
-}
-
-fn add(parent: &mut Element, child: Element) {
-    parent.children.push(child);
 }

@@ -9,6 +9,9 @@ pub use mjcf::to_mjcf;
 pub use urdf::{Urdf, to_urdf};
 
 use crate::agent::Agent;
+use crate::creature::Creature;
+use crate::geometry::Frame;
+use crate::model_files::Element;
 use crate::schema::BodySchema;
 
 /// A file to write: where, and its bytes.
@@ -42,4 +45,14 @@ impl ExportFormat {
             format!("{}: unsupported format: use {all}", path.display())
         })
     }
+}
+
+/// `X_JL`: where a limb's own frame is on its joint.
+fn limb_pose(creature: &Creature, schema: &BodySchema, limb: usize) -> Frame {
+    let pose = creature.joint_of(limb).and_then(|joint| schema.limb_poses.get(joint));
+    pose.copied().unwrap_or(Frame::identity())
+}
+
+fn add(parent: &mut Element, child: Element) {
+    parent.children.push(child);
 }

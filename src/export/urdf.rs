@@ -8,10 +8,12 @@
 
 use std::collections::HashSet;
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use super::mjcf::tile_box;
+use super::{ExportedFile, add, limb_pose};
 use crate::agent::Agent;
 use crate::creature::{Creature, Dof, DofKind};
 use crate::geometry::{Frame, UrdfGeometry};
@@ -92,7 +94,7 @@ pub fn to_urdf(agent: &Agent, schema: &BodySchema, mesh_name: &str) -> Urdf {
 }
 
 /// The files of a body: the mesh that the description refers to, where it does, and the description.
-pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<ExportedFile> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mesh_name = format!("{stem}_ellipsoid.stl");
     let Urdf { xml, mesh } = to_urdf(agent, schema, &mesh_name);
@@ -147,12 +149,6 @@ fn add_joint(
         add(robot, element);
         parent = child;
     }
-}
-
-/// `X_JL`: where a limb's own frame is on its joint.
-fn limb_pose(creature: &Creature, schema: &BodySchema, limb: usize) -> Frame {
-    let pose = creature.joint_of(limb).and_then(|joint| schema.limb_poses.get(joint));
-    pose.copied().unwrap_or(Frame::identity())
 }
 
 fn joint_element(dof: &Dof, axis: &Vector3<f64>, at: &Frame, parent: &str, child: &str) -> Element {
@@ -235,13 +231,9 @@ fn pieces(skin: &Skin, limb: usize, mesh_name: &str) -> Vec<LinkPiece> {
 
 /// A thin box below a receptor, its outer face where the skin is.
 fn tile(receptor: &Receptor) -> LinkPiece {
-    let thin = super::mjcf::half_thickness(receptor);
-    let [u, v] = super::mjcf::half_extents(receptor);
-    LinkPiece {
-        origin: receptor.position - receptor.normal * thin,
-        rotation: Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal]),
-        geometry: element("box", &[("size", exact(&[2.0 * u, 2.0 * v, 2.0 * thin]))]),
-    }
+    let (Frame { origin, rotation }, size) = tile_box(receptor);
+    let geometry = element("box", &[("size", exact(&size.map(|half| 2.0 * half)))]);
+    LinkPiece { origin, rotation, geometry }
 }
 
 /// A pose: rotations about the fixed axes x, y, z in this order.
@@ -279,8 +271,4 @@ fn sphere_stl() -> Vec<u8> {
         stl.extend([0; 2]);
     }
     stl
-}
-
-fn add(parent: &mut Element, child: Element) {
-    parent.children.push(child);
 }

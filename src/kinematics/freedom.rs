@@ -106,7 +106,7 @@ impl<'a> Freedoms<'a> {
         self.list.len()
     }
 
-    /// The freedom of a hinge's or slide's coordinate; none where it does not move by itself.
+    /// The freedom of a hinge's or slide's coordinate; `None` if it follows another.
     pub fn of_coordinate(&self, coordinate: usize) -> Option<usize> {
         self.list.iter().position(|freedom| freedom.coordinate == coordinate && freedom.range.is_some())
     }
@@ -148,7 +148,11 @@ impl<'a> Freedoms<'a> {
 
     /// The body in a posture, and how it moves from there.
     pub fn at(&self, posture: &[f64]) -> FreeMotions {
-        let frames = limb_frames(self.creature, self.schema, posture);
+        self.at_frames(posture, limb_frames(self.creature, self.schema, posture))
+    }
+
+    /// The same, given where the posture has the limbs.
+    pub fn at_frames(&self, posture: &[f64], frames: Vec<Frame>) -> FreeMotions {
         let mut axes: Vec<Axis> = Vec::new();
         for (j, joint) in self.creature.joints().iter().enumerate() {
             let mut frame = frames[joint.parent];

@@ -1,7 +1,7 @@
 //! Inverse kinematics: postures in which two places of the body meet, by the schema that is believed.
 //!
 //! The two points are to coincide, and weakly a direction at one is to be opposed to one at the other, or parallel to it;
-//! or all of one limb is to be turned as another. What freedom is left may draw the posture towards one at ease (Liégeois
+//! or all of one limb is to be turned as another. What freedom is left may draw the posture towards a rest posture (Liégeois
 //! 1977).
 
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -23,7 +23,7 @@ const LAST_DIRECTION_LENGTH: f64 = 5e-4;
 const STEPS: [usize; 2] = [15, 15];
 /// How far steps go.
 const DAMPING: Damping = Damping { damping: 0.01, longest: 0.4 };
-/// The share of the way to the posture at ease that is left free and gone in one step.
+/// The share of the way to the rest posture that is left free and gone in one step.
 const EASE: f64 = 0.2;
 
 /// How the directions at the two places are to be.
@@ -68,7 +68,6 @@ pub struct InverseKinematics<'a> {
     /// Per joint, whether it moves.
     moves: Vec<bool>,
     at_ease: Option<Vec<f64>>,
-    workspace: Workspace,
 }
 
 impl<'a> InverseKinematics<'a> {
@@ -83,7 +82,6 @@ impl<'a> InverseKinematics<'a> {
             steps: STEPS,
             moves: vec![true; creature.joints().len()],
             at_ease: None,
-            workspace: Workspace::default(),
         }
     }
 
@@ -118,8 +116,8 @@ impl<'a> InverseKinematics<'a> {
     }
 
     /// Solves from a start posture; all that does not move stays as it is there.
-    pub fn solve(&mut self, start: &[f64]) -> Reach {
-        let mut workspace = std::mem::take(&mut self.workspace);
+    pub fn solve(&self, start: &[f64]) -> Reach {
+        let mut workspace = Workspace::default();
         let moves = |joint: usize| self.moves[joint];
         let chain = PlaceChain::new(self.creature, self.schema, self.ends, &Frame::identity(), start, moves);
         let mut q = chain.of_posture(start);
@@ -175,7 +173,6 @@ impl<'a> InverseKinematics<'a> {
         chain.put_into(q, &mut posture);
         // What follows may be beside the chain.
         self.creature.couple(&mut posture);
-        self.workspace = workspace;
         Reach { posture, miss: self.miss(&limbs).norm(), facing }
     }
 

@@ -19,5 +19,3 @@ pub use inverse::{Facing, InverseKinematics, REACHED, Reach};
 pub use place_chain::{Place, PlaceChain, Workspace};
 pub use quadratic::{Condition, Optimum, QuadraticProgram};
 pub use rotation::{axis_derivative, rotation, skew};
-
-pub use crate::geometry::tangent_basis;

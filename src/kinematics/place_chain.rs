@@ -161,13 +161,8 @@ impl PlaceChain {
     }
 
     /// The number of its coordinates.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.coordinates.len()
-    }
-
-    /// Whether nothing moves.
-    pub fn is_empty(&self) -> bool {
-        self.coordinates.is_empty()
     }
 
     /// Its coordinates in a posture of the whole body.
@@ -290,7 +285,7 @@ impl PlaceChain {
     }
 
     /// One damped step within the ranges by which `rows`, one column for each of [`PlaceChain::differentiate`], go as
-    /// `wanted`; what freedom is left goes a share of the way to the coordinates at ease.
+    /// `wanted`; what freedom is left goes a share of the way to those of the rest posture.
     pub(super) fn step<const N: usize>(
         &self,
         q: &mut [f64],

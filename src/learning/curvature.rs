@@ -25,8 +25,8 @@ use super::prediction::GapRow;
 use super::touch_set::{PreparedTouch, TouchSet};
 use crate::agent::Agent;
 use crate::creature::Posture;
-use crate::geometry::Frame;
-use crate::kinematics::{Chain, limb_frames, tangent_basis};
+use crate::geometry::{Frame, tangent_basis};
+use crate::kinematics::{Chain, limb_frames};
 use crate::schema::BodySchema;
 
 /// Directions known no better than this at first order are looked at, radians or characteristic lengths.

@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use serde::Serialize;
 
 use crate::creature::{Creature, DofKind};
-use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew, tangent_basis};
+use crate::geometry::tangent_basis;
+use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew};
 use crate::learning::{LengthUnit, Parameters};
 use crate::schema::{BodySchema, SchemaStd};
 

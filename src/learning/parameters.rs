@@ -3,7 +3,7 @@
 use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 
 use crate::creature::{Creature, DofKind};
-use crate::kinematics::tangent_basis;
+use crate::geometry::tangent_basis;
 use crate::schema::BodySchema;
 
 /// How axes, and rotations of limbs' poses, are parameterised.

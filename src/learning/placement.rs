@@ -12,8 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use super::observability::{Observability, UNMOVED};
 use crate::agent::Agent;
 use crate::creature::{Creature, Posture};
-use crate::geometry::Frame;
-use crate::kinematics::{DofTransform, carry_through, joint_transforms, skew, tangent_basis};
+use crate::geometry::{Frame, tangent_basis};
+use crate::kinematics::{DofTransform, carry_through, joint_transforms, skew};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 

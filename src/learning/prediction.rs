@@ -7,7 +7,8 @@
 use nalgebra::{DMatrix, Matrix3x2, Vector3};
 
 use crate::agent::Agent;
-use crate::kinematics::{SideJacobian, tangent_basis};
+use crate::geometry::tangent_basis;
+use crate::kinematics::SideJacobian;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};

@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::agent::Agent;
 use crate::creature::Creature;
-use crate::kinematics::tangent_basis;
+use crate::geometry::tangent_basis;
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::Linearization;
 use crate::learning::{AxisModel, Parameters};

@@ -39,7 +39,7 @@ use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
 use crate::learning::observation::{Input, Observation};
-use crate::learning::touch_set::PreparedTouch;
+use crate::learning::touch_set::{NORMAL_DEVIATION, PreparedTouch};
 use crate::learning::{AxisModel, Basis, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -60,8 +60,6 @@ pub const STEPS: usize = 1_000_000;
 const STEP: usize = 4_000;
 /// How exact a contact point is taken to be, metres.
 const CONTACT_DEVIATION: f64 = 1e-4;
-/// How far a curved limb is taken to bulge out of a flat patch, metres.
-const NORMAL_DEVIATION: f64 = 6e-3;
 /// The seed's stream for the order of touches; the initial guess is drawn from stream 0.
 const ORDER_STREAM: u64 = 1;
 

@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
 use crate::deadline::count_work;
-use crate::geometry::Frame;
-use crate::kinematics::{Chain, ChainSide, SideJacobian, tangent_basis};
+use crate::geometry::{Frame, tangent_basis};
+use crate::kinematics::{Chain, ChainSide, SideJacobian};
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::least_squares::Linearization;
 use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
@@ -20,7 +20,7 @@ use crate::skin::Skin;
 pub(super) const LOOK: usize = 3_000;
 
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
-const NORMAL_DEVIATION: f64 = 6e-3;
+pub(super) const NORMAL_DEVIATION: f64 = 6e-3;
 
 /// One touch as a solver sees it: two points that met in one posture.
 #[derive(Clone, Debug)]

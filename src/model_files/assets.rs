@@ -2,7 +2,6 @@
 //! for what comes through a pipe.
 
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
-use super::tree::Element;
 
 /// Attributes by which the engine opens files.
 const FILES: [&str; 7] = ["file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback"];
@@ -13,26 +12,26 @@ const FOLDERS: [&str; 3] = ["meshdir", "texturedir", "assetdir"];
 ///
 /// # Errors
 /// Where one is.
-pub(crate) fn check(source: &Source) -> Result<(), Refused> {
+pub(super) fn check(source: &Source) -> Result<(), Refused> {
     let folder = whole_folder_of(&source.path);
-    let sections = source.root.children.iter();
-    let settings = sections.filter(|section| section.name == "compiler");
-    let own = settings.flat_map(|compiler| FOLDERS.iter().filter_map(|name| compiler.get(name)));
+    let compilers = source.root.all("compiler");
+    let own = compilers.flat_map(|compiler| FOLDERS.iter().filter_map(|name| compiler.get(name)));
     let folders: Vec<_> = own.chain([""]).map(|own| folder.join(with_slashes(own))).collect();
-    within(source, &source.root, &|name: &str| {
+    let endless = |name: &str| {
         folders.iter().any(|folder| {
             let about = std::fs::metadata(folder.join(with_slashes(name)));
             about.is_ok_and(|about| !about.is_file() && !about.is_dir())
         })
-    })
-}
-
-fn within(source: &Source, element: &Element, endless: &dyn Fn(&str) -> bool) -> Result<(), Refused> {
-    let named = FILES.iter().filter_map(|name| element.get(name));
-    if let Some(name) = named.into_iter().find(|name| !name.is_empty() && endless(name)) {
-        let message =
-            format!("{} is in {name}, which is a pipe or a device; give it a regular file", element.title());
-        return Err(source.refused(element, message));
+    };
+    for element in source.root.descendants() {
+        let mut named = FILES.iter().filter_map(|name| element.get(name));
+        if let Some(name) = named.find(|name| !name.is_empty() && endless(name)) {
+            let message = format!(
+                "{} is in {name}, which is a pipe or a device; give it a regular file",
+                element.title()
+            );
+            return Err(source.refused(element, message));
+        }
     }
-    element.children.iter().try_for_each(|child| within(source, child, endless))
+    Ok(())
 }

@@ -255,7 +255,7 @@ fn number(token: &str) -> Option<f64> {
     ends.rev().take(64).find_map(|end| token[..end].parse().ok())
 }
 
-/// What is wrong with an attribute, and the mend.
+/// What is wrong with an attribute, and the fix.
 fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<String> {
     // Newer engines take an empty attribute for none.
     if value.trim().is_empty() {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::pose::{ORIENTATIONS, numbers};
-use super::tree::Element;
+use super::pose::ORIENTATIONS;
+use super::tree::{Element, numbers};
 
 /// The name of the class that all others inherit from.
 const MAIN: &str = "main";

@@ -88,7 +88,7 @@ struct Spot {
     start_ends: usize,
     /// Where its first child begins.
     first_child: Option<usize>,
-    /// Where its end tag begins; none where its start tag is all of it.
+    /// Where its end tag begins; `None` if its start tag closes it.
     end_begins: Option<usize>,
 }
 

@@ -10,10 +10,10 @@ use super::checks;
 use super::defaults::Defaults;
 use super::left_out::LeftOut;
 use super::mesh_files::{MeshFolder, mesh_name};
-use super::pose::{Angles, ORIENTATIONS, numbers, set_pose, vector};
+use super::pose::{Angles, ORIENTATIONS, set_pose};
 use super::references::{Name, names, rename, repeated, stands};
 use super::source::{Refused, Source, folder_of, with_slashes};
-use super::tree::Element;
+use super::tree::{Element, numbers};
 use super::write::exact;
 
 /// Elements that a file may come to with all its replicas.
@@ -38,7 +38,7 @@ pub(super) struct Expanded {
 }
 
 /// Sections whose entries name parts of the body, and the entries that are kept.
-const REFERENCES: [(&str, &[&str]); 4] = [
+pub(super) const REFERENCES: [(&str, &[&str]); 4] = [
     ("contact", &["exclude"]),
     ("equality", &["joint", "connect", "weld"]),
     ("custom", &["tuple"]),
@@ -51,7 +51,7 @@ impl Expanded {
     /// # Errors
     /// Where it refers to a model that cannot be read, or comes to more than can be.
     pub fn new(source: &Source, left_out: &mut LeftOut, nesting: usize) -> Result<Expanded, Refused> {
-        let sections = |name: &'static str| source.root.children.iter().filter(move |e| e.name == name);
+        let sections = |name: &'static str| source.root.all(name);
         let defaults = Defaults::new(sections("default"))
             .map_err(|(element, message)| source.refused(element, message))?;
         let assets = || sections("asset").flat_map(|e| &e.children);
@@ -258,7 +258,7 @@ impl Expansion<'_> {
                 *value = exact(&radians);
             }
         }
-        let range = joint.get("range").map(numbers).unwrap_or_default();
+        let range = joint.numbers("range");
         let limited = match joint.get("limited") {
             Some(told @ ("true" | "false")) => told == "true",
             _ => self.autolimits && range.iter().any(|&end| end != 0.0),
@@ -275,7 +275,7 @@ impl Expansion<'_> {
             refused(format!("count=\"{count}\" of <replicate> is no whole number of 0 or above; give one"))
         })?;
         self.bounded(replicate, self.elements.saturating_add(count.saturating_mul(inner.len())))?;
-        let offset = replicate.get("offset").and_then(vector).unwrap_or_default();
+        let offset = replicate.vector("offset").unwrap_or_default();
         let turn = self.angles.orientation(replicate).unwrap_or_default();
         let step = Isometry3::from_parts(offset.into(), turn);
         let separator = replicate.get("sep").unwrap_or_default();
@@ -340,7 +340,8 @@ impl Expansion<'_> {
         let Expanded { mut world, meshes, references } =
             Expanded::new(&attached, self.left_out, self.nesting + 1)?;
         if let Some(body) = attach.get("body") {
-            let found = world.iter().find_map(|element| find_body(element, body)).cloned();
+            let found = world.iter().flat_map(Element::descendants);
+            let found = found.filter(|e| e.name == "body").find(|e| e.get("name") == Some(body)).cloned();
             world = vec![found.ok_or_else(|| {
                 refused(format!(
                     "<attach> names the body {body}, which {} does not have; name one of its bodies",
@@ -381,19 +382,11 @@ fn whole(entry: &Element, names: &BTreeSet<Name>) -> bool {
     stands(entry, names) && entry.children.iter().all(|e| stands(e, names))
 }
 
-fn find_body<'a>(element: &'a Element, name: &str) -> Option<&'a Element> {
-    if element.name == "body" && element.get("name") == Some(name) {
-        return Some(element);
-    }
-    element.children.iter().find_map(|child| find_body(child, name))
-}
-
 /// Moves an element of a frame to where it is in what holds the frame.
 fn put(element: &mut Element, pose: &Isometry3<f64>) {
     if *pose == Isometry3::identity() {
         return;
     }
-    let point = |text: Option<&str>| pose * nalgebra::Point3::from(text.and_then(vector).unwrap_or_default());
     match element.name.as_str() {
         "freejoint" => {}
         "joint" => {
@@ -402,15 +395,15 @@ fn put(element: &mut Element, pose: &Isometry3<f64>) {
                 return;
             }
             if kind != "ball" {
-                let axis = element.get("axis").and_then(vector).unwrap_or(Vector3::z());
+                let axis = element.vector("axis").unwrap_or(Vector3::z());
                 let axis = pose.rotation * axis;
                 element.set("axis", exact(axis.iter()));
             }
-            let anchor = point(element.get("pos"));
+            let anchor = pose * nalgebra::Point3::from(element.vector("pos").unwrap_or_default());
             element.set("pos", exact(anchor.coords.iter()));
         }
-        _ => match element.get("fromto").map(numbers).as_deref() {
-            Some([a, b, c, d, e, f]) => {
+        _ => match element.numbers("fromto").as_slice() {
+            [a, b, c, d, e, f] => {
                 let ends = [Vector3::new(*a, *b, *c), Vector3::new(*d, *e, *f)];
                 let ends = ends.map(|end| pose * nalgebra::Point3::from(end));
                 let ends = exact(ends.iter().flat_map(|end| end.coords.iter()));

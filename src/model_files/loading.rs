@@ -8,11 +8,11 @@ use std::path::Path;
 
 use super::checks::{check, check_numbers};
 use super::hulls::with_hulls;
+use super::reduce::Reduced;
 use super::refusal::{Complaint, refusal};
-use super::{
-    Element, LeftOut, Reduced, Refused, Source, Texts, anchor_assets, check_assets, element, numbered,
-    set_compiler, urdf_to_mjcf,
-};
+use super::source::whole_folder_of;
+use super::write::{Texts, numbered};
+use super::{Element, LeftOut, Refused, Source, assets, element, set_compiler, urdf};
 use crate::mujoco::{self, Compiler, Error, Model, Result};
 use crate::plausible::bounded;
 
@@ -178,7 +178,7 @@ impl Loader {
     /// Loads a file with more bodies in its world, as it is or else in terms that the engine knows.
     fn open(&self, mut source: Source, bodies: &[Element]) -> Result<(Model, LeftOut)> {
         check(&source)?;
-        check_assets(&source)?;
+        assets::check(&source)?;
         let first = match source.root.name.as_str() {
             "mujoco" => {
                 let mut root = source.root.clone();
@@ -194,7 +194,7 @@ impl Loader {
         };
         let mut reduced = match &first {
             Some(_) => Reduced::new(&source, &mujoco::schema()?)?,
-            None => urdf_to_mjcf(&source)?,
+            None => urdf::to_mjcf(&source)?,
         };
         // Replicas and what is attached are written out there.
         check_numbers(&source, &reduced.root)?;
@@ -342,4 +342,14 @@ fn thin(root: &mut Element, message: &str) -> bool {
         }
     });
     changed
+}
+
+/// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
+fn anchor_assets(root: &mut Element, path: &Path) {
+    let folder = whole_folder_of(path);
+    for name in ["meshdir", "texturedir"] {
+        let own = root.setting("compiler", name).unwrap_or_default();
+        let absolute = folder.join(own).display().to_string();
+        set_compiler(root, name, &absolute);
+    }
 }

@@ -157,7 +157,7 @@ pub(crate) fn unreadable_mesh(path: &Path) -> Option<Refused> {
     let source = Source::read(path).ok()?;
     let folder = MeshFolder::of(&source);
     let root = if source.root.name == "robot" {
-        super::urdf_to_mjcf(&source).ok()?.root
+        super::urdf::to_mjcf(&source).ok()?.root
     } else {
         source.root.clone()
     };

@@ -24,31 +24,18 @@ mod urdf_names;
 mod urdf_tree;
 mod write;
 
-pub(crate) use assets::check as check_assets;
 pub(crate) use checks::check as check_source;
 pub(crate) use edits::{Change, Edits, XmlEdits, negative, new_element};
 pub use left_out::LeftOut;
 pub(crate) use mesh_files::unreadable_mesh;
 pub(crate) use pose::{Angles, ORIENTATIONS};
-pub(crate) use reduce::Reduced;
 pub(crate) use source::{Refused, Source, begins_as, first_letter};
 pub(crate) use tree::{Element, element};
-pub(crate) use urdf::to_mjcf as urdf_to_mjcf;
 pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};
-pub(crate) use write::{Texts, escape, exact, numbered, write};
+pub(crate) use write::{escape, exact, write};
 
 /// Half the thickness of a receptor's site, metres.
 pub(crate) const HALF_THICKNESS: f64 = 0.0008;
-
-/// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
-pub(crate) fn anchor_assets(root: &mut Element, path: &std::path::Path) {
-    let folder = source::whole_folder_of(path);
-    for name in ["meshdir", "texturedir"] {
-        let own = root.setting("compiler", name).unwrap_or_default();
-        let absolute = folder.join(own).display().to_string();
-        set_compiler(root, name, &absolute);
-    }
-}
 
 /// The default class of the receptors' sites.
 pub(crate) fn add_receptor_class(root: &mut Element, name: &str) {

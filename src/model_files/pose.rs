@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use super::tree::Element;
+use super::tree::{Element, numbers};
 use super::write::exact;
 
 /// The ways to give an orientation.
@@ -80,27 +80,16 @@ impl Angles {
 
     /// The pose that an element gives; what it does not give is zero.
     pub fn pose(&self, element: &Element) -> Isometry3<f64> {
-        let position = element.get("pos").and_then(vector).unwrap_or_default();
+        let position = element.vector("pos").unwrap_or_default();
         let orientation = self.orientation(element).unwrap_or_default();
         Isometry3::from_parts(Translation3::from(position), orientation)
     }
 }
 
 /// The rotation that brings the z axis onto a direction by the shortest way, as MuJoCo has it.
-fn onto(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
+pub(super) fn onto(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
     let opposite = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(opposite)
-}
-
-/// The numbers in a text; what is none ends them.
-pub(super) fn numbers(text: &str) -> Vec<f64> {
-    text.split_whitespace().map_while(|number| number.parse().ok()).collect()
-}
-
-/// A vector in a text of three numbers.
-pub(super) fn vector(text: &str) -> Option<Vector3<f64>> {
-    let numbers = numbers(text);
-    (numbers.len() == 3).then(|| Vector3::from_column_slice(&numbers))
 }
 
 /// Writes a pose into an element, in place of the one it has; zero is left out.

@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::expand::Expanded;
+use super::expand::{Expanded, REFERENCES};
 use super::left_out::LeftOut;
 use super::mesh_files::{fault, kind, mesh_name, take_corners};
 use super::references::{Name, names, stands};
@@ -125,7 +125,7 @@ impl Reduced {
             Element::holding("asset", expanded.meshes),
             Element::holding("worldbody", expanded.world),
         ];
-        for name in ["contact", "equality", "custom", "sensor"] {
+        for (name, _) in REFERENCES {
             let entries = expanded.references.iter().filter(|(section, _)| *section == name);
             sections.push(Element::holding(name, entries.map(|(_, entry)| entry.clone()).collect()));
         }
@@ -134,9 +134,7 @@ impl Reduced {
             known(section, &name, &schema, &mut left_out);
         }
         root.children = sections;
-        let mut reduced = Reduced { root, left_out };
-        reduced.settle();
-        Ok(reduced)
+        Ok(Reduced::plain(root, left_out))
     }
 
     /// A model that is in plain terms already.
@@ -184,7 +182,7 @@ impl Reduced {
         if let Some(world) = root.child("worldbody") {
             names(world, &mut there);
         }
-        for section in ["contact", "equality", "custom", "sensor"] {
+        for (section, _) in REFERENCES {
             if let Some(section) = root.children.iter_mut().find(|own| own.name == section) {
                 let gone = section.remove_all(&|e| !stands(e, &there));
                 section.children.retain(|child| child.name != "tuple" || !child.children.is_empty());

@@ -21,10 +21,8 @@ pub(super) fn kind(element: &str) -> Option<&'static str> {
 
 /// The names in a tree.
 pub(super) fn names(element: &Element, into: &mut BTreeSet<Name>) {
-    if let (Some(kind), Some(name)) = (kind(&element.name), element.get("name")) {
-        into.insert((kind, name.to_string()));
-    }
-    element.children.iter().for_each(|child| names(child, into));
+    let named = |e: &Element| Some((kind(&e.name)?, e.get("name")?.to_string()));
+    into.extend(element.descendants().filter_map(named));
 }
 
 /// Renames all in a tree that has a name.

@@ -16,7 +16,7 @@ const GREATEST_INCLUSION: usize = 1000;
 pub(crate) struct Refused {
     /// The file.
     pub path: PathBuf,
-    /// The line in it, counted from 1; none where it is about the whole file.
+    /// The line in it, counted from 1; `None` for the whole file.
     pub line: Option<usize>,
     /// What is wrong, and what to do about it.
     pub message: String,

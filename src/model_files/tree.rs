@@ -85,8 +85,7 @@ impl Element {
 
     /// The numbers of an attribute; what is none ends them.
     pub fn numbers(&self, name: &str) -> Vec<f64> {
-        let text = self.get(name).unwrap_or_default();
-        text.split_whitespace().map_while(|number| number.parse().ok()).collect()
+        self.get(name).map(numbers).unwrap_or_default()
     }
 
     /// The first number of an attribute.
@@ -156,4 +155,9 @@ impl Element {
         let name = self.get("name").map(|name| format!(" {name}")).unwrap_or_default();
         format!("<{}>{name}", self.name)
     }
+}
+
+/// The numbers in a text; what is none ends them.
+pub(super) fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map_while(|number| number.parse().ok()).collect()
 }

@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::left_out::LeftOut;
 use super::mesh_files::{MeshFolder, file_fault};
-use super::pose::{numbers, set_pose, vector};
+use super::pose::{onto, set_pose};
 use super::reduce::Reduced;
 use super::source::{Refused, Source};
 use super::tree::{Element, element};
@@ -24,7 +24,7 @@ const WORLD: &str = "world";
 ///
 /// # Errors
 /// Where its links and joints make no tree.
-pub(crate) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
+pub(super) fn to_mjcf(source: &Source) -> Result<Reduced, Refused> {
     let tree = UrdfTree::new(source)?;
     let mut left_out = LeftOut { notes: tree.notes.clone(), ..LeftOut::default() };
     for (origin, fault) in tree.turn_faults() {
@@ -125,10 +125,7 @@ impl Parts<'_> {
             }
             UrdfKind::Planar => {
                 let normal = axis.try_normalize(0.0).unwrap_or(Vector3::x());
-                let turn = UnitQuaternion::rotation_between(&Vector3::z(), &normal);
-                let turn = turn.unwrap_or_else(|| {
-                    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-                });
+                let turn = onto(&normal);
                 return vec![
                     made("slide", format!("{name}_x"), &(turn * Vector3::x())),
                     made("slide", format!("{name}_y"), &(turn * Vector3::y())),
@@ -160,7 +157,7 @@ impl Parts<'_> {
             return Ok(None);
         };
         let lengths = |name: &str| {
-            let lengths = shape.get(name).map(numbers).filter(|lengths| !lengths.is_empty());
+            let lengths = Some(shape.numbers(name)).filter(|lengths| !lengths.is_empty());
             lengths.filter(|lengths| lengths.iter().all(|&length| length > 0.0)).ok_or_else(|| {
                 let message = format!("<{}> needs {name}=\"…\" of numbers above 0; give it that", shape.name);
                 self.source.refused(shape, message)
@@ -204,7 +201,7 @@ impl Parts<'_> {
             self.left_out.lose(format!("geom of the mesh {written}: {fault}"), 1);
             return Ok(None);
         }
-        let scale = shape.get("scale").and_then(vector).unwrap_or(Vector3::repeat(1.0));
+        let scale = shape.vector("scale").unwrap_or(Vector3::repeat(1.0));
         let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh").to_string();
         let (file, scale) = (file.display().to_string(), exact(scale.iter()));
         let same = |mesh: &Element| mesh.get("file") == Some(&file) && mesh.get("scale") == Some(&scale);
@@ -238,7 +235,7 @@ fn placed(mut geom: Element, described: &Element) -> Element {
 /// The mass and inertia of a link, where they are those of a body that there can be.
 fn inertial(link: &Element) -> Option<Element> {
     let described = link.child("inertial")?;
-    let number = |child: &str, name: &str| numbers(described.child(child)?.get(name)?).first().copied();
+    let number = |child: &str, name: &str| described.child(child)?.number(name);
     let mass = number("mass", "value").filter(|mass| *mass > 0.0)?;
     let [xx, yy, zz, xy, xz, yz] =
         ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"].map(|name| number("inertia", name).unwrap_or(0.0));

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::pose::{numbers, vector};
 use super::source::{Refused, Source};
 use super::tree::Element;
 use super::urdf_names::{attribute_meant, element_meant, is_known};
@@ -174,7 +173,7 @@ impl<'a> UrdfTree<'a> {
             );
             return Err(self.source.refused(element, message));
         };
-        let axis = element.child("axis").and_then(|axis| vector(axis.get("xyz")?));
+        let axis = element.child("axis").and_then(|axis| axis.vector("xyz"));
         let axis = axis.unwrap_or(Vector3::x());
         if kind.is_single() && axis.norm() < f64::EPSILON {
             let message =
@@ -202,7 +201,7 @@ impl<'a> UrdfTree<'a> {
     /// by which other programs say that there are none.
     fn limits(&mut self, joint: &Element, name: &str, kind: UrdfKind) -> Option<[f64; 2]> {
         let limit = joint.child("limit").filter(|_| kind.is_single() && kind != UrdfKind::Continuous)?;
-        let given = ["lower", "upper"].map(|end| numbers(limit.get(end)?).first().copied());
+        let given = ["lower", "upper"].map(|end| limit.number(end));
         let [lower, upper] = given.map(Option::unwrap_or_default);
         let span = if kind == UrdfKind::Prismatic { UNLIMITED_SLIDE } else { std::f64::consts::PI };
         let limits = bounded([lower, upper], span).filter(|_| lower < upper);
@@ -240,9 +239,7 @@ impl<'a> UrdfTree<'a> {
                 let message = format!("joint {} mimics itself{way}; remove one <mimic>", joint.name);
                 return Err(self.source.refused(own, message));
             }
-            let number = |name: &str, default: f64| {
-                mimic.get(name).and_then(|text| numbers(text).first().copied()).unwrap_or(default)
-            };
+            let number = |name: &str, default: f64| mimic.number(name).unwrap_or(default);
             found.offset += found.gain * number("offset", 0.0);
             found.gain *= number("multiplier", 1.0);
             (found.leader, on, next) = (Some(leader.name), leader, mimic_of(leader));

@@ -45,7 +45,7 @@ pub struct Nearness {
     pub other: Option<usize>,
     /// The gap there, in the root's frame, the normal from the other to the limb.
     pub gap: Gap,
-    /// No greater margin is asked here, metres.
+    /// No greater margin is asked here, metres; of obstacles [`CollisionChecker::near_places`] alone has it.
     pub most: f64,
 }
 
@@ -198,7 +198,7 @@ impl CollisionChecker {
                 }
             }
             for (obstacle, eased) in self.obstacles.iter().zip(&mut eased.eased) {
-                for limb in (0..limbs).filter(|&limb| self.exposed[limb]) {
+                for limb in self.exposed() {
                     let gap = self.to_obstacle(frames, limb, obstacle, margin);
                     if gap < margin {
                         eased[limb] = eased[limb].min(gap - EASED);
@@ -243,7 +243,7 @@ impl CollisionChecker {
     }
 
     /// The limbs that obstacles matter to.
-    fn exposed(&self) -> impl Iterator<Item = usize> + Clone {
+    fn exposed(&self) -> impl Iterator<Item = usize> {
         (0..self.pieces.len()).filter(|&limb| self.exposed[limb])
     }
 

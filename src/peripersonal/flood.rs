@@ -100,7 +100,7 @@ impl Reached {
             let mut rng = ChaCha8Rng::seed_from_u64(0);
             rng.set_stream(stream);
             let mut workspace = Workspace::default();
-            let mut coordinates = vec![0.0; chain.len()];
+            let mut coordinates = vec![0.0; chain.count()];
             let mut found = Vec::new();
             for k in 0..DRAWN {
                 chain.draw(&mut coordinates, k % 2 == 1, || rng.random::<f64>());
@@ -147,12 +147,12 @@ impl Reached {
         let groups: Vec<&[(u32, u32)]> = tries.chunk_by(|a, b| a.0 == b.0).collect();
         let half = self.lattice.half() - INSIDE;
         let found = groups.par_iter().map_init(
-            || (Workspace::default(), vec![0.0; chain.len()]),
+            || (Workspace::default(), vec![0.0; chain.count()]),
             |(workspace, coordinates), group| {
                 let voxel = group[0].0;
                 let middle: Vector3<f64> = self.lattice.middle(self.lattice.cell_at(voxel as usize));
                 group.iter().find_map(|&(_, number)| {
-                    let start = self.coordinates_of(number as usize, chain.len());
+                    let start = self.coordinates_of(number as usize, chain.count());
                     coordinates.iter_mut().zip(start).for_each(|(q, at)| *q = at);
                     let outside = chain.seek(coordinates, &middle, half, STEPS, workspace);
                     let kept = || coordinates.iter().map(|&q| q as f32).collect::<Vec<f32>>();

@@ -253,9 +253,9 @@ impl<'a> PostureProgram<'a> {
         for _ in 0..CORRECTIONS {
             let body = self.freedoms.at(&best.0);
             let near = self.clearance.near_places(&body.frames, self.margin);
-            let gaps = near.iter().map(|near| self.apart(&body, near));
+            let lacking = near.iter().filter(|near| self.asked(near) > near.gap.distance);
             let mut rows = self.equalities(&body);
-            rows.extend(gaps.filter(|gap| gap.least > 0.0));
+            rows.extend(lacking.map(|near| self.apart(&body, near)));
             if rows.iter().all(|row| row.least.abs() < EXACT) {
                 break;
             }

@@ -239,14 +239,14 @@ impl ReachableMap {
         let near = reached.voxels.len();
         // From here on every voxel keeps all coordinates: those of the arm, and the trunk's at ease.
         let mut posture = at_ease.clone();
-        let mut coordinates = Vec::with_capacity(near * chains[1].len());
+        let mut coordinates = Vec::with_capacity(near * chains[1].count());
         for number in 0..near {
-            let arm = reached.coordinates_of(number, chains[0].len());
+            let arm = reached.coordinates_of(number, chains[0].count());
             chains[0].put_into(arm, &mut posture);
             coordinates.extend(chains[1].of_posture(&posture).into_iter().map(|q| q as f32));
         }
         reached.coordinates = coordinates;
-        if chains[1].len() > chains[0].len() {
+        if chains[1].count() > chains[0].count() {
             reached.fill(&chains[1], &chains[1].of_posture(&at_ease), 1 << 32);
         }
         let reached = reached.cropped();
@@ -280,7 +280,7 @@ impl ReachableMap {
         (self.reached.numbers[index] as usize).checked_sub(1)
     }
 
-    /// The nearest voxel that is reached to a point that is not, and how far off it is, metres; none where there is none.
+    /// The nearest voxel that is reached to a point that is not, and how far off it is, metres; `None` if no voxel is reached.
     fn nearest(&self, point: &Vector3<f64>) -> Option<([i32; 3], f64)> {
         let far = self.shell.iter().map(|&cell| (cell, self.reached.lattice.distance(cell, point)));
         far.min_by(|a, b| a.1.total_cmp(&b.1))
@@ -307,7 +307,7 @@ impl ReachableMap {
         let beyond = nearest.map_or(f64::INFINITY, |(_, distance)| distance);
         let mut posture = self.at_ease.clone();
         if let Some(number) = number.or_else(|| self.number(nearest?.0)) {
-            let coordinates = self.reached.coordinates_of(number, self.chains[1].len());
+            let coordinates = self.reached.coordinates_of(number, self.chains[1].count());
             self.chains[1].put_into(coordinates, &mut posture);
         }
         Whereabouts { level, beyond, posture }
@@ -333,7 +333,7 @@ impl ReachableMap {
         for (chain, level) in self.chains.iter().zip([Level::Near, Level::Far]) {
             for &number in starts.iter().filter(|number| level == Level::Far || **number < self.near) {
                 let mut posture = self.at_ease.clone();
-                let kept = self.reached.coordinates_of(number, self.chains[1].len());
+                let kept = self.reached.coordinates_of(number, self.chains[1].count());
                 self.chains[1].put_into(kept, &mut posture);
                 let mut coordinates = chain.of_posture(&posture);
                 let outside = chain.seek(&mut coordinates, point, EXACT, STEPS, &mut workspace);

@@ -4,8 +4,7 @@ use nalgebra::Matrix3;
 
 use super::collision::CollisionChecker;
 use super::own_body::OwnBody;
-use crate::geometry::Shape;
-use crate::kinematics::tangent_basis;
+use crate::geometry::{Shape, tangent_basis};
 use crate::learning::touch_set::PreparedTouch;
 use crate::learning::{Certainty, Tool};
 use crate::skin::{Receptor, Skin, Surface};

@@ -16,6 +16,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::own_body::OwnBody;
 use crate::creature::Posture;
+use crate::geometry::Frame;
 use crate::kinematics::{Condition, FreeMotions, Freedoms, QuadraticProgram};
 
 /// What a joint's own velocity costs, so that what does nothing does not move: (m/s)² per (rad/s)².
@@ -75,16 +76,17 @@ pub struct VelocityProgram<'a> {
 
 impl<'a> VelocityProgram<'a> {
     /// A program in which some joints may move, at most so many radians (or metres) a second, so that after `seconds` they
-    /// are still in their ranges.
+    /// are still in their ranges; `frames` is where the posture has the limbs.
     pub fn new(
         own: &'a OwnBody,
         posture: &'a [f64],
+        frames: &[Frame],
         joints: &[usize],
         fastest: f64,
         seconds: f64,
     ) -> VelocityProgram<'a> {
         let freedoms = Freedoms::new(own.creature(), &own.schema, joints);
-        let motions = freedoms.at(posture);
+        let motions = freedoms.at_frames(posture, frames.to_vec());
         let size = freedoms.count();
         let bounds = |k: usize| freedoms.bounds(k, posture, fastest * seconds).map(|most| most / seconds);
         let program = QuadraticProgram {
@@ -106,7 +108,7 @@ impl<'a> VelocityProgram<'a> {
         }
     }
 
-    /// Wants a coordinate to change so fast, radians or metres a second. One that does not move by itself is ignored.
+    /// Wants a coordinate to change so fast, radians or metres a second. One that follows another is ignored.
     pub fn want_joint(&mut self, coordinate: usize, velocity: f64, weight: f64) {
         if let Some(k) = self.freedoms.of_coordinate(coordinate) {
             self.program.curvature[(k, k)] += weight;

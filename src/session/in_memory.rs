@@ -67,9 +67,8 @@ impl Embodied {
         motion: MotionName,
         options: &BabblingOptions,
     ) -> Result<Babbled, ExperimentError> {
-        let mut touches = Vec::with_capacity(options.touches);
         let babbler = self.babbler(motion)?;
-        all_touches(self.model(), &babbler, policy, options, |touch| touches.push(touch.clone()))?;
+        let (touches, _) = all_touches(self.model(), &babbler, policy, options)?;
         drop(babbler);
         Ok(Babbled { embodied: self, touches, seed: options.seed })
     }

@@ -162,11 +162,7 @@ fn write(
     write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     let path = folder.join(LEARNED_FILE);
     let model = to_mjcf(agent, &learned.schema);
-    write_whole(&path, model.as_bytes()).map_err(|source| RecordError::Io {
-        path,
-        action: Action::Write,
-        source,
-    })?;
+    write_whole(&path, model.as_bytes()).map_err(RecordError::io(&path, Action::Write))?;
     Ok(record.write(folder, creature)?)
 }
 

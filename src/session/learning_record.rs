@@ -163,20 +163,16 @@ impl LearningRecord {
         (self.seed, self.touches) == (other.seed, other.touches) && way(self) == way(other)
     }
 
-    /// As [`LearningRecord::read`]; of a session without a record one that says that nothing is known.
-    ///
-    /// # Errors
-    /// As [`LearningRecord::read`].
-    pub fn read_or_unknown(folder: &Path, creature: &Creature) -> Result<LearningRecord, RecordError> {
-        let unknown = || LearningRecord {
+    /// That of a session without a record: nothing is known.
+    pub fn unknown(creature: &Creature) -> LearningRecord {
+        LearningRecord {
             touches: usize::MAX,
             verdict:
                 "The session does not say whether learning converged: `bodyschema learn` learns it again."
                     .into(),
             undetermined: creature.joints().iter().map(|joint| joint.name.clone()).collect(),
             ..LearningRecord::default()
-        };
-        Ok(LearningRecord::read(folder, creature)?.unwrap_or_else(unknown))
+        }
     }
 
     /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.

@@ -66,7 +66,7 @@ pub use learning_options::{KnownFile, LearningOptions};
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRow, LearningTable, Prediction, read_learning_table, read_predictions};
 pub use map_file::{read_map, write_map};
-#[cfg_attr(not(feature = "render"), allow(unused_imports))]
+#[cfg_attr(not(feature = "cli"), allow(unused_imports))]
 pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use model_hash::model_hash;
 pub use observer::{LearningStep, Observer, Observers, Phase};
@@ -82,7 +82,7 @@ pub use robot::{
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema, write_schema_with_std};
-pub use session_body::{same_tree, session_body, session_truth};
+pub use session_body::{same_tree, session_body};
 pub use session_file::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub use share_folders::{SHARES_FOLDER, Shares};
 pub use shares::{BabbledShares, BabblingShare, Unready};

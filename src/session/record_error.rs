@@ -42,7 +42,7 @@ pub enum RecordError {
     Busy {
         /// The folder.
         folder: PathBuf,
-        /// Which process does what, and the mend.
+        /// Which process does what, and the fix.
         what: String,
     },
     /// The content is not what the file should hold.

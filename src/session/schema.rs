@@ -93,7 +93,7 @@ struct Found {
     /// `None` if the file gives no deviation.
     position_std: Option<[Option<f64>; 3]>,
     /// Degrees of freedom by their index, the axis and its deviation, which may not be given.
-    axes: Vec<(usize, Vector3<f64>, Option<Option<f64>>)>,
+    axes: Vec<ReadAxis>,
     /// The pose of its limb, if it is given.
     pose: Option<Frame>,
 }
@@ -326,6 +326,11 @@ impl JointEntry {
 /// A degree of freedom, its axis, and the axis' deviation: null where nothing determines it, `None` where none is given.
 type ReadAxis = (usize, Vector3<f64>, Option<Option<f64>>);
 
+/// How many axes a joint has: a ball has none.
+fn axis_count(joint: &Joint) -> usize {
+    joint.dofs.iter().filter(|dof| dof.kind != DofKind::Ball).count()
+}
+
 fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String> {
     if axes.len() != joint.dofs.len() {
         return Err(format!(
@@ -393,8 +398,7 @@ pub(super) fn schema_of_joints(
         let lacks =
             |what: &str| format!("joint \"{}\" has no {what}: give it", creature.joints()[joint].name);
         schema.positions[joint] = position.ok_or_else(|| lacks("position"))?;
-        let turning = |dof: &&Dof| dof.kind != DofKind::Ball;
-        if axes.len() != creature.joints()[joint].dofs.iter().filter(turning).count() {
+        if axes.len() != axis_count(&creature.joints()[joint]) {
             return Err(lacks("axes").into());
         }
         axes.into_iter().for_each(|(k, axis, _)| schema.axes[k] = axis);
@@ -454,9 +458,7 @@ fn known_joint(found: Found, entry: &JointEntry, creature: &Creature) -> Result<
         .chain(axes.iter().map(|(.., std)| *std))
         .collect();
     let exact = all.iter().all(|std| *std == 0.0);
-    let turning = |dof: &&Dof| dof.kind != DofKind::Ball;
-    let turning = creature.joints()[found.joint].dofs.iter().filter(turning).count();
-    if exact && (position.is_none() || axes.len() < turning) {
+    if exact && (position.is_none() || axes.len() < axis_count(&creature.joints()[found.joint])) {
         if position.is_none() && axes.is_empty() {
             return match &entry.axes {
                 None => Err("has neither a position nor axes: give what is known, or leave it out".into()),

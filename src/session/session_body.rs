@@ -1,4 +1,4 @@
-//! A session's creature in its model, and the truth about it.
+//! A session's creature in its model.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,20 +7,7 @@ use super::embodied::ModelSource;
 use super::error::ExperimentError;
 use super::observer::Observer;
 use crate::creature::{Body, Creature, JointSelection};
-use crate::ground_truth::GroundTruth;
 use crate::session::{Session, SessionOptions, model_hash};
-
-/// The truth of a session's creature, from its model.
-///
-/// # Errors
-/// See [`session_body`].
-pub fn session_truth(
-    session: &Session,
-    model: Option<&Path>,
-    observer: &dyn Observer,
-) -> Result<GroundTruth, ExperimentError> {
-    Ok(GroundTruth::new(&session_body(session, model, false, observer)?)?)
-}
 
 /// A session's creature in its model, or in another that is named; with its textures where they are wanted.
 ///

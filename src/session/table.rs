@@ -481,7 +481,7 @@ pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, RecordE
     }
     let separator = separator(bytes);
     // Of a log that is being written the last line may be there in part.
-    let unended = 1 + bytes.iter().filter(|&&byte| byte == b'\n').count();
+    let unended = 1 + newlines(bytes);
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)

@@ -5,10 +5,22 @@ use std::collections::HashMap;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use super::table::{CellFault, Column, DEVIATIONS, LIMBS, Measure, POINTS, Quantity, RECEPTORS, Table};
+use super::table::{
+    CellFault, Column, DEVIATIONS, LIMBS, Measure, POINTS, QUATERNION, Quantity, RECEPTORS, Table,
+};
+use crate::creature::DofKind;
 
 /// The columns of counts.
 const COUNTS: [&str; 2] = ["bout", "motion"];
+
+/// The columns of a degree of freedom in a posture.
+pub(crate) fn coordinate_columns(name: &str, kind: DofKind) -> Vec<(String, Option<Measure>)> {
+    match kind {
+        DofKind::Ball => QUATERNION.map(|end| (format!("{name}{end}"), None)).to_vec(),
+        DofKind::Hinge => vec![(name.to_string(), Some(Measure::Angle))],
+        DofKind::Slide => vec![(name.to_string(), Some(Measure::Length))],
+    }
+}
 
 /// The columns of a table of touches.
 pub(crate) struct TouchColumns {

@@ -34,12 +34,13 @@ pub fn all_touches(
     babbler: &Babbler,
     policy: PolicyName,
     options: &BabblingOptions,
-    mut receive: impl FnMut(&Touch),
-) -> Result<(Effort, Option<Growth>), ExperimentError> {
-    make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
+) -> Result<(Vec<Touch>, Option<Growth>), ExperimentError> {
+    let mut touches = Vec::new();
+    let (_, grown) = make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
         if let Made::Touch(touch) = made {
-            receive(touch);
+            touches.push(touch.clone());
         }
         Ok(())
-    })
+    })?;
+    Ok((touches, grown))
 }

@@ -98,6 +98,6 @@ fn receptor(
     found.normal = normal;
     let along = x_axis - normal * normal.dot(&x_axis);
     let along = along.try_normalize(1e-6);
-    found.tangent = along.unwrap_or_else(|| crate::kinematics::tangent_basis(&normal).column(0).into());
+    found.tangent = along.unwrap_or_else(|| crate::geometry::tangent_basis(&normal).column(0).into());
     found
 }

@@ -220,11 +220,8 @@ fn babble(
     let by = Deadline::after_work_of(BABBLING * trial.seconds);
     let babbler = embodied.babbler(MotionName::default())?.until(by).learning_from(Input::Receptor);
     let wanted = BabblingOptions { touches: most, seed: trial.seed, jobs: 1 };
-    let mut touches = Vec::new();
-    let (made, work) = apart(|| {
-        all_touches(embodied.model(), &babbler, policy, &wanted, |touch| touches.push(touch.clone()))
-    });
-    let (_, grown) = made?;
+    let (made, work) = apart(|| all_touches(embodied.model(), &babbler, policy, &wanted));
+    let (touches, grown) = made?;
     Ok(Babbled { policy, touches, grown, work })
 }
 

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use super::{Row, Studied, Study, Subject, Table};
 use crate::deadline::apart;
 use crate::mujoco;
-use crate::session::{Action, Embodied, ExperimentError, PROGRAM, RecordError, SCHEMA_FILE, model_hash};
+use crate::session::{Embodied, ExperimentError, PROGRAM, SCHEMA_FILE, files, model_hash};
 
 /// Touches from which a creature that acts learns its body if no session is named and no number is asked for.
 const LEARNED_FROM: usize = 1000;
@@ -209,8 +209,9 @@ impl StudyRun {
             creature.as_ref().map(|creature| asked_creature(creature, &options)).transpose()?;
         let mut subject = creature.map(Subject::new).transpose()?;
         if acts {
-            let by = (options.session.as_deref(), options.touches.unwrap_or(LEARNED_FROM), options.seed);
-            subject = subject.map(|subject| subject.with_learned_body(by.0, by.1, by.2)).transpose()?;
+            let (session, touches) = (options.session.as_deref(), options.touches.unwrap_or_default());
+            let learned = |subject: Subject| subject.with_learned_body(session, touches, options.seed);
+            subject = subject.map(learned).transpose()?;
         }
         let asked = Asked {
             study: study.name.into(),
@@ -329,12 +330,7 @@ fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, ExperimentErro
 
 /// The SHA-256 of a file.
 fn hash(file: &Path) -> Result<String, ExperimentError> {
-    let bytes = std::fs::read(file).map_err(|source| RecordError::Io {
-        path: file.to_path_buf(),
-        action: Action::Read,
-        source,
-    })?;
-    Ok(Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(Sha256::digest(files::read(file)?).iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 fn asked_creature(embodied: &Embodied, options: &StudyOptions) -> Result<AskedCreature, ExperimentError> {

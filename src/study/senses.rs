@@ -44,7 +44,7 @@ pub(super) const STUDY: Study = Study {
     notes: &[
         "A row is what was done; tap, press, stroke, rub and nothing: how often the touch sensor reported which. right: the \
               right kind, from the right limb to the right limb, and one sensation. latency_s: how long after the \
-              last contact it was decided. redrawn: draws in which a probe left the skin or met another one.",
+              last contact it was decided.",
     ],
     run,
 };

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -12,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::run::TrialRecord;
 use super::{Asked, Findings, StudyOptions, StudyRun};
 use crate::session::{
-    Action, ExperimentError, RecordError, STUDY_SHARE_FILE, ShareRecord, Shares, Unready, made_shares,
+    Action, ExperimentError, RecordError, STUDY_SHARE_FILE, ShareRecord, Shares, Unready, files, made_shares,
     write_whole,
 };
 use crate::share::Share;
@@ -93,7 +92,7 @@ impl StudyShare {
             StudyShare::read(folder)?.check(folder, self)?;
         } else {
             let trials = folder.join(TRIALS_FOLDER);
-            fs::create_dir_all(&trials).map_err(not_written(&trials))?;
+            fs::create_dir_all(&trials).map_err(RecordError::io(&trials, Action::Write))?;
             write(&folder.join(STUDY_SHARE_FILE), self)?;
         }
         self.missing(folder).into_par_iter().try_for_each(|seed| {
@@ -156,22 +155,15 @@ fn trial_file(folder: &Path, seed: u64) -> PathBuf {
     folder.join(TRIALS_FOLDER).join(format!("{seed}.json"))
 }
 
-fn not_written(path: &Path) -> impl FnOnce(io::Error) -> RecordError {
-    let path = path.to_path_buf();
-    move |source| RecordError::Io { path, action: Action::Write, source }
-}
-
 /// Writes a file whole or not at all.
 fn write(path: &Path, content: &impl Serialize) -> Result<(), ExperimentError> {
     let text =
         serde_json::to_string(content).map_err(|error| ExperimentError::unfit(path, error.to_string()))?;
-    Ok(write_whole(path, format!("{text}\n").as_bytes()).map_err(not_written(path))?)
+    Ok(write_whole(path, format!("{text}\n").as_bytes()).map_err(RecordError::io(path, Action::Write))?)
 }
 
 fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, ExperimentError> {
-    let text = crate::given_file::read(path);
-    let text =
-        text.map_err(|source| RecordError::Io { path: path.to_path_buf(), action: Action::Read, source })?;
+    let text = files::read(path)?;
     serde_json::from_slice(&text).map_err(|error| {
         ExperimentError::unfit(
             path,

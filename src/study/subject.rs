@@ -9,20 +9,32 @@ use crate::deadline::apart;
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
-use crate::peripersonal::OwnBody;
+use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::senses::Touch;
 use crate::session::touches::all_touches;
 use crate::session::{Embodied, ExperimentError, LearningOptions, own_body};
 use crate::simulation::{MotionName, Stage, StageOptions, Thing};
 
 /// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.
-pub(super) const CONVERGED_MM: f64 = 10.0;
+const CONVERGED_MM: f64 = 10.0;
 
 /// A creature that is studied.
 pub struct Subject {
     embodied: Embodied,
-    /// What it has learned of its body before the trials.
-    learned: Option<OwnBody>,
+    /// What it has learned of its body before the trials, and the truth of the same.
+    known: Option<[Knowledge; 2]>,
+}
+
+/// What a creature knows of its body, and its surfaces with nothing about them.
+pub(super) struct Knowledge {
+    pub own: OwnBody,
+    pub clearance: CollisionChecker,
+}
+
+impl Knowledge {
+    fn new(own: OwnBody) -> Knowledge {
+        Knowledge { clearance: CollisionChecker::new(&own), own }
+    }
 }
 
 /// What a learner came to.
@@ -40,7 +52,7 @@ impl Subject {
     /// If it cannot babble.
     pub fn new(embodied: Embodied) -> Result<Subject, ExperimentError> {
         embodied.babbler(MotionName::default())?;
-        Ok(Subject { embodied, learned: None })
+        Ok(Subject { embodied, known: None })
     }
 
     /// The same with the body that it has learned in a session, or from so many touches by a seed.
@@ -75,7 +87,8 @@ impl Subject {
                 own
             }
         };
-        Ok(Subject { learned: Some(own), ..self })
+        let truth = own.with_schema(self.truth().schema.clone());
+        Ok(Subject { known: Some([own, truth].map(Knowledge::new)), ..self })
     }
 
     /// The creature in its model.
@@ -108,9 +121,9 @@ impl Subject {
         &self.body().creature.limbs()[limb]
     }
 
-    /// What it has learned of its body before the trials.
-    pub(super) fn learned_body(&self) -> Result<&OwnBody, ExperimentError> {
-        self.learned.as_ref().ok_or_else(|| ExperimentError::refused("it has not learned its body"))
+    /// What it has learned of its body before the trials, and the truth of the same.
+    pub(super) fn known(&self) -> Result<&[Knowledge; 2], ExperimentError> {
+        self.known.as_ref().ok_or_else(|| ExperimentError::refused("it has not learned its body"))
     }
 
     /// The creature on a stage, with probes that touch it and things about it.
@@ -133,9 +146,7 @@ impl Subject {
     pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<Touch>, ExperimentError> {
         let babbler = self.embodied.babbler(MotionName::default())?;
         let options = BabblingOptions { touches, seed, jobs: 1 };
-        let mut made = Vec::with_capacity(touches);
-        all_touches(self.model(), &babbler, PolicyName::Random, &options, |touch| made.push(touch.clone()))?;
-        Ok(made)
+        Ok(all_touches(self.model(), &babbler, PolicyName::Random, &options)?.0)
     }
 
     /// Learns from touches, disturbed as the options say, and measures against the truth.

@@ -161,7 +161,7 @@ fn joint_velocities_keep_barriers_and_ranges_and_say_what_they_give_up() {
     const SECONDS: f64 = 1e-4;
     // Where a point of the hand goes, by the difference of two postures.
     let goes = |barriers: &[Barrier]| {
-        let mut program = VelocityProgram::new(own, &posture, &joints, FASTEST, SECONDS);
+        let mut program = VelocityProgram::new(own, &posture, &frames, &joints, FASTEST, SECONDS);
         let velocity = Vector3::new(0.3, -0.1, 0.2);
         program.want(&PlaceVelocity { limb: hand, point, velocity, weight: 100.0 });
         barriers.iter().for_each(|barrier| program.keep(barrier));

@@ -69,7 +69,7 @@ fn what_is_held_still_stays_and_directions_are_as_asked() {
     let frames = own.frames(&start);
     let point = frames[hand].point(&place.point) + Vector3::new(0.15, 0.0, 0.1);
     let target = Place { limb: 0, point, direction: Vector3::x() };
-    let mut solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
+    let solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
         .with_facing(Facing::Parallel)
         .with_direction_lengths([0.05, 0.05])
         .moving(|joint| arm.contains(&joint));

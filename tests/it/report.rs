@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, JointSelection};
-use bodyschema::evaluation::{Evaluation, evaluate};
+use bodyschema::evaluation::{ContactResiduals, Evaluation, evaluate};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::Input;
 use bodyschema::mujoco::Model;
@@ -42,6 +42,7 @@ struct Session {
     agent: Agent,
     truth: GroundTruth,
     evaluation: Evaluation,
+    residuals: ContactResiduals,
     touches: Vec<Touch>,
     checkpoints: Vec<Checkpoint>,
     open: Vec<String>,
@@ -66,6 +67,7 @@ impl Session {
             moment: None,
         };
         let touches = vec![touch("chest", "l"), touch("chest", "l"), touch("l", "r")];
+        let residuals = ContactResiduals::new(&agent, &truth.schema, Input::Receptor, &touches);
         let checkpoint = |touches: usize, error: f64| Checkpoint {
             touches,
             schema: truth.schema.clone(),
@@ -75,7 +77,7 @@ impl Session {
         let checkpoints =
             vec![checkpoint(0, 300.0), checkpoint(1, 200.0), checkpoint(2, 2.5), checkpoint(3, 1e-9)];
         let open = vec!["<ball> slides".to_string()];
-        Session { agent, truth, evaluation, touches, checkpoints, open }
+        Session { agent, truth, evaluation, residuals, touches, checkpoints, open }
     }
 
     fn input(&self) -> ReportInput<'_> {
@@ -86,7 +88,7 @@ impl Session {
             truth: Some(&self.truth),
             evaluation: Some(&self.evaluation),
             touches: &self.touches,
-            input: Input::Receptor,
+            residuals: &self.residuals,
             checkpoints: &self.checkpoints,
             predictions: &[],
             space: None,

@@ -423,7 +423,7 @@ fn strokes_over_joints_of_max_are_one_sensation_each() {
     }
 }
 
-/// `bodyschema feel` of Max with a script of this text.
+/// `bodyschema skin feel` of Max with a script of this text.
 fn feel(script: Option<&str>) -> Output {
     let place = tempfile::tempdir().unwrap();
     if let Some(script) = script {

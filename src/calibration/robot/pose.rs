@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{DofQuantities, Element, Robot, Value};
 use crate::creature::{DofKind, ball};
-use crate::geometry::Frame;
-use crate::kinematics::{rotation, tangent_basis};
+use crate::geometry::{Frame, tangent_basis};
+use crate::kinematics::rotation;
 
 /// Rounds in which gravity's torques and the joints that give way to them settle.
 const SAGGING_ROUNDS: usize = 4;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::kinematics::tangent_basis;
+use crate::geometry::tangent_basis;
 
 /// A value of a quantity, of one to three parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]

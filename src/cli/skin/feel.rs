@@ -8,7 +8,6 @@ use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::agent::Agent;
 use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
@@ -114,8 +113,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 
 /// Strokes the creature all over, and writes a session of what it feels.
 fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
-    let creature = stage.agent().creature().clone();
-    let skin = stage.skin().clone();
+    let (creature, skin) = (stage.agent().creature(), stage.skin());
     let lock = session_folder(args.out.as_deref(), creature.name(), args.force)?;
     // A log of firings cannot be gone on with: it is there when it is whole.
     let folder = lock.part()?;
@@ -135,10 +133,10 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
         seed: args.seed,
         options,
         effort: None,
-        agent: Agent::new(creature.clone(), skin.clone())?,
+        agent: stage.agent().clone(),
     }
     .write(folder)?;
-    let mut firings = FiringWriter::create(folder, creature.name(), &skin)?;
+    let mut firings = FiringWriter::create(folder, creature.name(), skin)?;
     let path = folder.join(SENSATIONS_FILE);
     let unwritable =
         |error| Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()));

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use crate::cli::ends_with::ENDS_WITH;
 use crate::cli::folders::{Force, free_folder};
 use crate::cli::{Failure, Outcome, output, progress};
+use crate::view::text::plural;
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -252,8 +253,7 @@ impl Body {
                 if not.is_empty() { String::new() } else { format!(" {} of {}", learned.len(), came.len()) };
             let except = match learned.iter().map(named).max().unwrap_or(0) {
                 0 => String::new(),
-                1 => ", but for 1 limb".to_string(),
-                many => format!(", but for {many} limbs"),
+                many => format!(", but for {}", plural(many, "limb")),
             };
             let changed = |came: &&Value| came["changes"].as_array().is_some_and(|all| !all.is_empty());
             let changes = if learned.iter().any(changed) { ", CHANGED" } else { "" };

@@ -22,6 +22,7 @@ use crate::share::Share;
 use crate::study::{
     Findings, MOST_TRIALS, MadeTrials, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare,
 };
+use crate::view::text::plural;
 
 /// The measurements, in the study's folder.
 const TABLE_FILE: &str = "study.csv";
@@ -221,8 +222,7 @@ impl RunArguments {
         if self.json {
             return output::json(&json!({"share": share.to_string(), "trials": count, "folder": place}));
         }
-        let trials = if count == 1 { "trial" } else { "trials" };
-        say!("share {share}: {count} {trials}, in {}", place.display());
+        say!("share {share}: {}, in {}", plural(count, "trial"), place.display());
         say!("next, when all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
         Ok(())
     }

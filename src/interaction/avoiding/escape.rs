@@ -141,7 +141,7 @@ impl Search<'_> {
         let Some((goal, joints)) = self.goal else { return Some(posture) };
         let target = Place { limb: 0, point: goal.point, direction: Vector3::zeros() };
         let place = Place { direction: Vector3::zeros(), ..goal.place };
-        let mut solver = InverseKinematics::new(self.own.creature(), &self.own.schema, [place, target])
+        let solver = InverseKinematics::new(self.own.creature(), &self.own.schema, [place, target])
             .with_facing(Facing::Parallel)
             .moving(|joint| joints.contains(&joint));
         let reach = solver.solve(&posture);
@@ -343,7 +343,7 @@ fn pushes(
             let point =
                 passed + (aside * angle.cos() + other * angle.sin()) * (course.radius + WANTED + length);
             let target = Place { limb: 0, point, direction: Vector3::zeros() };
-            let mut solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
+            let solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
                 .with_facing(Facing::Parallel)
                 .moving(|joint| joints.contains(&joint))
                 .at_ease(start);

@@ -137,7 +137,7 @@ impl Avoiding {
             return None;
         }
         let joints: Vec<usize> = (0..own.creature().joints().len()).collect();
-        let mut program = VelocityProgram::new(own, now, &joints, QUICK, seconds);
+        let mut program = VelocityProgram::new(own, now, &frames, &joints, QUICK, seconds);
         let doing = goal.map_or(Vec::new(), |goal| self.doing(actor, &goal));
         let getting = self.escape.as_ref().map_or(&self.getting, |escape| &escape.group);
         for &joint in &joints {

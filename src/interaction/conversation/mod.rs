@@ -19,7 +19,7 @@ use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, U
 use self::mind::{Deed, Forbidden, Mind};
 use self::requests::{Act, Answer, REQUESTS};
 use super::actor::Actor;
-use super::tasks::{Grip, Search, Trouble, tried};
+use super::tasks::{Grip, Search, tried};
 use super::things::{KnownThing, ThingId, Things};
 use crate::creature::Posture;
 use crate::peripersonal::ReachableMap;
@@ -167,7 +167,7 @@ impl Conversation {
                     let intent = request.intent;
                     self.pending = Some(Pending::Which(request, leave));
                     let said = format!("I did not understand which one. {}", self.question());
-                    return Ok(self.reply(intent, Answer { said, done: None, asks: true }));
+                    return Ok(self.reply(intent, Answer::asks(said)));
                 }
             }
             None => {}
@@ -214,9 +214,8 @@ impl Conversation {
                 };
                 Answer::done(format!("{feels}, and put my {} {there}", self.hand_name(touch.hand)))
             }
-            Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
-                let trouble = self.in_words(&trouble);
+                let trouble = self.in_words(&trouble.of_task()?);
                 Answer::failed(format!("{feels}, but cannot put a hand there: {trouble}"))
             }
         })
@@ -267,10 +266,10 @@ impl Conversation {
         Ok(self.reply(intent, answer))
     }
 
-    /// Asks whether it is to do what was not clearly asked for.
+    /// Asks whether it is to do something.
     fn asks_whether(&mut self, request: Request, said: String) -> Answer {
         self.pending = Some(Pending::Whether(request));
-        Answer { said, done: None, asks: true }
+        Answer::asks(said)
     }
 
     /// Does what is asked for, for which there is leave.
@@ -301,7 +300,7 @@ impl Conversation {
                 None => {
                     let said = self.question();
                     self.pending = Some(Pending::Which(request.clone(), leave));
-                    return Ok(self.reply(intent, Answer { said, done: None, asks: true }));
+                    return Ok(self.reply(intent, Answer::asks(said)));
                 }
                 it => self.things.mean(it),
             }
@@ -320,9 +319,9 @@ impl Conversation {
         };
         let answer = match acted {
             Ok(answer) => answer,
-            Err(Trouble::Engine(error)) => return Err(error),
             Err(trouble) => {
-                Answer::failed(format!("I cannot {}: {}", doing(request), self.in_words(&trouble)))
+                let trouble = self.in_words(&trouble.of_task()?);
+                Answer::failed(format!("I cannot {}: {trouble}", doing(request)))
             }
         };
         let mut reply = self.reply(intent, answer);

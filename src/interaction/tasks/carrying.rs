@@ -162,10 +162,8 @@ impl Actor {
         let limb = self.own.place(receptor).limb;
         let upright = self.frames()[limb].rotation.tr_mul(&self.up);
         let place = Place { direction: upright, ..self.own.place(receptor) };
-        let known = self.clearance.obstacles.len();
-        let carried = self.carry_to(receptor, place, spot, &joints);
-        self.clearance.obstacles.truncate(known);
-        carried?;
+        // What is met on the way is kept off until it stands.
+        self.with_obstacles([], |actor| actor.carry_to(receptor, place, spot, &joints))?;
         self.let_go();
         let stay = self.posture();
         self.wait(0.2)?;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{MARGIN, Trouble};
+use super::{MARGIN, Trouble, tried};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, Stop, TABLE};
 use crate::kinematics::{Place, REACHED};
@@ -37,10 +37,7 @@ impl Actor {
     pub fn find_table(&mut self) -> Result<Option<FoundThing>, Trouble> {
         let mut felt = Vec::new();
         for hand in 0..self.hands.len() {
-            match self.lower_hand(hand) {
-                Err(Trouble::Engine(error)) => return Err(error.into()),
-                lowered => felt.extend(lowered.ok()),
-            }
+            felt.extend(tried(self.lower_hand(hand))?);
         }
         let Some(table) = felt.iter().map(|(height, _)| *height).reduce(f64::min) else { return Ok(None) };
         self.know_table(table);

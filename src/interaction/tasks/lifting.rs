@@ -171,8 +171,7 @@ impl Actor {
             });
             let trouble = match lifted {
                 Ok(()) => return Ok(grip),
-                Err(Trouble::Engine(error)) => return Err(error.into()),
-                Err(trouble) => trouble,
+                Err(trouble) => trouble.of_task()?,
             };
             // From where it was felt last; what slipped is near there.
             middle = grip.last_felt.unwrap_or(middle);
@@ -273,11 +272,7 @@ impl Actor {
     /// between them, which leaves them apart.
     fn feel_sides(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<Option<f64>, Trouble> {
         match self.close(grip) {
-            Err(Trouble::Nothing) => {
-                self.take_palms(grip, apart, grip.rise, CAREFUL)?;
-                Ok(None)
-            }
-            Err(Trouble::NoSides) => {
+            Err(Trouble::Nothing | Trouble::NoSides) => {
                 self.take_palms(grip, apart, grip.rise, CAREFUL)?;
                 Ok(None)
             }

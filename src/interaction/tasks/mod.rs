@@ -142,7 +142,7 @@ impl Actor {
                 let target = Place { limb: 0, point, direction: Vector3::zeros() };
                 let ends = [Place { direction: Vector3::zeros(), ..self.own.place(*tip) }, target];
                 let solver = InverseKinematics::new(self.own.creature(), &self.own.schema, ends);
-                let mut solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture);
+                let solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture);
                 [&bent, &posture].map(|start| solver.solve(start))
             };
             let waits = |posture: &[f64]| clearance.free(&self.own.frames(posture), WAITING);

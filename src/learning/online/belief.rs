@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 
 use crate::agent::Agent;
 use crate::deadline::Deadline;
-use crate::kinematics::tangent_basis;
+use crate::geometry::tangent_basis;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};

@@ -21,7 +21,7 @@ use crate::deadline::Deadline;
 use crate::learning::growing::{EXACT, Evidence, Start};
 use crate::learning::observation::{Input, Observation, SkinKnowledge};
 use crate::learning::surface_gap::CERTAIN_NOISE;
-use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchSet};
+use crate::learning::touch_set::{LimbTouch, NORMAL_DEVIATION, PreparedTouch, TouchSet};
 use crate::learning::{
     Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict,
 };
@@ -37,8 +37,6 @@ const CONTACT_DEVIATION: f64 = 1e-4;
 const FEWEST_TELL: f64 = 0.2;
 /// The most noise of gaps and points that is believed, metres: in more, schemas that are wrong look like noise.
 const MOST_NOISE: f64 = 0.02;
-/// How far a curved limb is taken to bulge out of a flat patch, metres.
-const NORMAL_DEVIATION: f64 = 6e-3;
 /// Touches of a limb that lie less about their middle than this share of how far they are from its joint are at one point.
 const ONE_POINT: f64 = 0.05;
 /// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.

@@ -42,7 +42,7 @@ pub struct CreatureFile {
 /// | `dofs[].name` | the name by which a log gives its coordinate |
 /// | `dofs[].kind` | `hinge` (radians), `slide` (metres) or `ball` (a unit quaternion w, x, y, z) |
 /// | `dofs[].range` | least and greatest coordinate, radians or metres; of a ball 0 and the largest angle. A slide needs it, others default to \[−π, π\] and \[0, π\] |
-/// | `dofs[].follows` | optional, where it does not move by itself: `leader`, the degree of freedom that it follows, by name or index over all (from 0), and `polynomial`, five coefficients of degree 0 to 4 that give its coordinate from that one's |
+/// | `dofs[].follows` | optional, if it follows another: `leader`, the degree of freedom that it follows, by name or index over all (from 0), and `polynomial`, five coefficients of degree 0 to 4 that give its coordinate from that one's |
 /// | `aura_limbs` | optional: named parts of the body, `{"name", "limbs": […]}`, for reports |
 ///
 /// `skin` is as in a `session.json`, limbs by name or index: `receptors` with `id`, `limb`, `position` (centre in

@@ -15,13 +15,13 @@ use nalgebra::Vector3;
 pub use creature_file::{CreatureFile, read_creature};
 
 use super::RecordError;
-use super::table::{CellFault, LIMBS, Measure, POINTS, QUATERNION, RECEPTORS, Table, read_table};
-use super::touch_columns::{TouchColumns, left_out_in_words};
+use super::table::{CellFault, LIMBS, Measure, POINTS, RECEPTORS, Table, read_table};
+use super::touch_columns::{TouchColumns, coordinate_columns, left_out_in_words};
 use super::touch_line::check;
 use super::words::listed;
 use crate::agent::Agent;
-use crate::calibration::{SAME_POINT, SAME_POSTURE, first_alike};
-use crate::creature::{Creature, Dof, DofKind, Posture};
+use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
+use crate::creature::{Creature, Dof, Posture};
 use crate::learning::Input;
 use crate::named::did_you_mean;
 use crate::senses::{Touch, TouchEnd};
@@ -79,7 +79,8 @@ struct RawTouch {
 /// no touch of the creature; for a log without touches; and for one whose angles look like degrees.
 pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordError> {
     let creature = agent.creature();
-    let coordinates = coordinates(creature);
+    let columns_of_dof = |dof: &Dof| coordinate_columns(&dof.name, dof.kind);
+    let coordinates: Vec<_> = creature.dofs().flat_map(columns_of_dof).collect();
     let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
     let mut table = read_table(path, &names, Some(creature))?;
     let (mut touches, mut left_out) = (Vec::with_capacity(table.rows.len()), Vec::new());
@@ -112,16 +113,6 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
         format!("{repeats} of {rows} rows repeat another in the same posture: each touch counts once")
     }));
     Ok(Recording { notes, ..recording })
-}
-
-/// The columns of a posture, in the creature's order.
-fn coordinates(creature: &Creature) -> Vec<(String, Option<Measure>)> {
-    let of_dof = |dof: &Dof| match dof.kind {
-        DofKind::Ball => QUATERNION.map(|end| (format!("{}{end}", dof.name), None)).to_vec(),
-        DofKind::Hinge => vec![(dof.name.clone(), Some(Measure::Angle))],
-        DofKind::Slide => vec![(dof.name.clone(), Some(Measure::Length))],
-    };
-    creature.dofs().flat_map(of_dof).collect()
 }
 
 /// The columns of a table, which has all that a touch needs.
@@ -177,16 +168,11 @@ fn raw_touch(
 
 /// Leaves of touches that repeat one another the first; how many went.
 fn drop_repeats(touches: &mut Vec<Touch>) -> usize {
-    let row = |touch: &Touch| {
+    drop_alike(touches, |touch| {
         let posture = touch.posture.iter().map(|x| x / SAME_POSTURE);
         let points = touch.ends.iter().flat_map(|end| end.contact.iter().map(|x| x / SAME_POINT));
         ((touch.bout, touch.ends.map(|end| end.receptor)), posture.chain(points).collect())
-    };
-    let first = first_alike(&touches.iter().map(row).collect::<Vec<_>>());
-    let before = touches.len();
-    let mut keep = first.iter().enumerate().map(|(i, of)| i == *of);
-    touches.retain(|_| keep.next().unwrap_or(true));
-    before - touches.len()
+    })
 }
 
 /// Gives every touch its limbs and receptors.

@@ -212,7 +212,7 @@ impl DhTable {
         row.get(self.at(column)?).filter(|text| !text.is_empty())
     }
 
-    /// A cell's number in metres or radians; none where it has no finite one.
+    /// A cell's number in metres or radians; `None` if it has no finite one.
     fn number(&self, row: &StringRecord, at: usize, measure: Measure) -> Option<f64> {
         let number = match row[at].parse::<f64>() {
             Ok(number) => Some(self.si(at, number)),

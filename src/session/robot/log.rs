@@ -27,9 +27,9 @@ use crate::plausible::{is_angle, is_length};
 use crate::session::RecordError;
 use crate::session::angles::{HingeAngles, wide_ranges};
 use crate::session::table::{
-    CellFault, Column, LIMBS, Measure, POINTS, QUATERNION, Quantity, RECEPTORS, Table, read_table,
+    CellFault, Column, LIMBS, Measure, POINTS, Quantity, RECEPTORS, Table, read_table,
 };
-use crate::session::touch_columns::{TouchColumns, left_out_in_words};
+use crate::session::touch_columns::{TouchColumns, coordinate_columns, left_out_in_words};
 
 const DISTANCE: &str = "distance";
 const TOUCH: &str = "touch";
@@ -64,10 +64,10 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     for (line, row) in &table.rows {
         let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
         let read = head.contact(&table, row, robot).and_then(|contact| {
-            let posture = head.posture(&table, row, robot, links_of(&contact.1, robot))?;
-            Ok((contact, posture))
+            let links = links_of(&contact.1, robot);
+            Ok((contact, links, head.posture(&table, row, robot, links)?))
         });
-        let ((name, ends, distance), posture) = match read {
+        let ((name, ends, distance), links, posture) = match read {
             Ok(read) => read,
             Err(CellFault::NotFinite(fault)) => {
                 not_finite.push((*line, fault));
@@ -75,7 +75,6 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
             }
             Err(CellFault::Wrong(fault)) => return Err(refuse(fault)),
         };
-        let links = links_of(&ends, robot);
         let known = name.as_ref().and_then(|name| by_name.get(&(name.clone(), links)).copied());
         match known {
             Some(at) => {
@@ -194,22 +193,13 @@ pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), RecordErro
 
 /// A table of a robot's touches, and which column holds what.
 fn read(path: &Path, robot: &Robot) -> Result<(Table, Head), RecordError> {
-    let coordinates = coordinates(robot);
+    let columns_of_dof = |dof: &RobotDof| coordinate_columns(&dof.name, dof.kind);
+    let coordinates: Vec<_> = robot.leaders().flat_map(columns_of_dof).collect();
     let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
     let mut table = read_table(path, &names, None)?;
     let head = Head::new(&mut table, robot, &coordinates);
     let head = head.map_err(|fault| RecordError::format(path, Some(1), fault))?;
     Ok((table, head))
-}
-
-/// The columns of a posture.
-fn coordinates(robot: &Robot) -> Vec<(String, Option<Measure>)> {
-    let of_dof = |dof: &RobotDof| match dof.kind {
-        DofKind::Ball => QUATERNION.map(|end| (format!("{}{end}", dof.name), None)).to_vec(),
-        DofKind::Slide => vec![(dof.name.clone(), Some(Measure::Length))],
-        DofKind::Hinge => vec![(dof.name.clone(), Some(Measure::Angle))],
-    };
-    robot.leaders().flat_map(of_dof).collect()
 }
 
 /// Whether bytes look like a log of touches.

@@ -38,7 +38,7 @@ pub fn write_mjcf(
     robot: &Robot,
     values: &[Value],
 ) -> Result<Written, RecordError> {
-    let source = Source::read(path)?;
+    let source = Source::of_bytes(path, original)?;
     let mut writer = Writer {
         // What the file says, without what was added since.
         file: &read_mjcf(path)?.0,

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use nalgebra::Rotation3;
 
+use super::mjcf::surface_name;
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
@@ -178,7 +179,7 @@ pub(super) fn shapes<'a>(link: &str, element: &'a Tag) -> Vec<(String, &'a Tag, 
         .all("collision")
         .filter_map(|collision| Some((collision, collision.child("geometry")?.children.iter().find(known)?)))
         .collect();
-    let alone = found.len() == 1;
-    let called = |i: usize| if alone { link.to_string() } else { format!("{link}.{}", i + 1) };
-    found.into_iter().enumerate().map(|(i, (collision, shape))| (called(i), collision, shape)).collect()
+    let count = found.len();
+    let named = |(i, (collision, shape))| (surface_name(link, i, count), collision, shape);
+    found.into_iter().enumerate().map(named).collect()
 }

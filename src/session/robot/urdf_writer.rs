@@ -176,7 +176,7 @@ impl<'a> Writer<'a> {
     /// Links that are not of the file, where their pose was to be found.
     fn added(&mut self, root: &Tag, tree: &UrdfTree) {
         let mut there: BTreeSet<&str> = tree.links.iter().map(|(name, _)| *name).collect();
-        let rest = vec![0.0; self.robot.coordinates()];
+        let rest = self.robot.zero_posture();
         let posed = Posed::new(self.robot, self.values, &rest);
         let mut text = String::new();
         for (index, link) in self.robot.links.iter().enumerate().skip(1) {

@@ -73,7 +73,7 @@ impl Carried {
 }
 
 impl Stage {
-    /// Lets a thing go along a path by itself, whatever it meets.
+    /// Lets a thing go along a path alone, whatever it meets.
     ///
     /// # Panics
     /// Where it is no thing that moves.

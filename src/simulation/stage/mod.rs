@@ -261,13 +261,6 @@ impl Stage {
         core.body.limb_frames(&core.data)
     }
 
-    /// The creature's posture in the engine's coordinates of its model with or without what is on the stage.
-    pub fn posture_of(&self, qpos: &[f64]) -> Posture {
-        let mut padded = self.body.model.qpos0().to_vec();
-        padded[..qpos.len()].copy_from_slice(qpos);
-        self.body.read_posture(&padded)
-    }
-
     /// The posture as the creature feels it.
     pub(super) fn felt_posture(&self) -> Posture {
         self.core.borrow().sense::<Proprioception>().felt().clone()

@@ -71,9 +71,7 @@ fn leave_out_of_inertia(root: &mut Element, body: &Body) {
     if (0..model.ngeom()).any(|geom| model.geom(geom).group >= GROUP && !model.is_aura(geom)) {
         return;
     }
-    let compilers = root.all("compiler");
-    // A later setting overrides an earlier one.
-    let told = compilers.filter_map(|e| e.get(RANGE)).next_back().unwrap_or("0 5");
+    let told = root.setting("compiler", RANGE).unwrap_or("0 5");
     let range: Vec<i32> = told.split_whitespace().filter_map(|number| number.parse().ok()).collect();
     if let [least, most] = range[..]
         && most >= GROUP

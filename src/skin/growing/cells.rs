@@ -106,7 +106,7 @@ fn gathered(
         let along = long_axis - normal * normal.dot(long_axis);
         let tangent = along
             .try_normalize(1e-3)
-            .unwrap_or_else(|| crate::kinematics::tangent_basis(&normal).column(0).into());
+            .unwrap_or_else(|| crate::geometry::tangent_basis(&normal).column(0).into());
         let bitangent = normal.cross(&tangent);
         let extent = |direction: &Vector3<f64>| {
             members.iter().map(|s| (s.0 - position).dot(direction).abs()).fold(0.0, f64::max) + rim

@@ -86,8 +86,7 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
     let auras = add_auras(&mut root, &body, digits(&sprouts))?;
     let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(fault.to_string()))?;
     if !sensors.is_empty() {
-        let section = root.section("sensor");
-        section.children.extend(sensors);
+        root.section("sensor").children.extend(sensors);
     }
     // What the engine was given in memory, so that it reads the file at all, stands in the file, too.
     let root = Model::accepted(root, path)?;
@@ -184,19 +183,13 @@ fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
 
 /// A name for a class of defaults that a file has not taken yet.
 pub(super) fn free_class(root: &Element, name: &str) -> String {
-    let mut taken = BTreeSet::new();
-    let sections = root.children.iter();
-    sections.filter(|section| section.name == "default").for_each(|section| classes(section, &mut taken));
+    let defaults = root.all("default").flat_map(Element::descendants);
+    let taken: BTreeSet<&str> = defaults.filter_map(|element| element.get("class")).collect();
     let mut class = name.to_string();
-    while taken.contains(&class) {
+    while taken.contains(class.as_str()) {
         class = format!("grown_{class}");
     }
     class
-}
-
-fn classes(element: &Element, taken: &mut BTreeSet<String>) {
-    taken.extend(element.get("class").map(str::to_string));
-    element.children.iter().for_each(|child| classes(child, taken));
 }
 
 /// Names for the creature's bodies and joints that have none.
@@ -281,8 +274,7 @@ fn move_assets(root: &mut Element, way: &Path) {
         let mut parts = asset.children.iter();
         parts.any(|part| part.attributes.iter().any(|(name, _)| name.starts_with("file")))
     };
-    let sections = root.children.iter();
-    if !sections.filter(|section| section.name == "asset").any(from_file) {
+    if !root.all("asset").any(from_file) {
         return;
     }
     if root.child("compiler").is_none() {

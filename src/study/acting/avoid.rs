@@ -58,8 +58,8 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, ExperimentError> {
     let aimed = auras[scene.number as usize % auras.len()];
     let mut rng = scene.rng(0);
     let thing = thing(&mut rng);
-    let mut actor = scene.among(&scene.truth, vec![thing])?;
-    let postures = beginnings(&mut actor, &scene.truth, &mut rng);
+    let mut actor = scene.among(scene.truth, vec![thing])?;
+    let postures = beginnings(&mut actor, scene.truth, &mut rng);
     let Some(coming) = draw(&mut actor, aimed, &postures, &mut rng)? else { return Ok(Vec::new()) };
     let row = |(schema, known)| {
         let mut row = attempt(&mut actor, known, &coming)?;

@@ -35,7 +35,7 @@ fn hold(scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<(OnStage, usize)>,
     let (x, y) = (rng.random_range(0.32..0.5), rng.random_range(-0.3..0.3));
     let thing = on_table(shape(rng), x, y, rng.random_range(0.0..std::f64::consts::PI));
     let hand = usize::from(y < 0.0);
-    let mut actor = scene.at_table(&scene.learned, &[thing])?;
+    let mut actor = scene.at_table(scene.learned, &[thing])?;
     let thing = actor.the_thing()?;
     if !actor.finds_table() {
         return Ok(None);

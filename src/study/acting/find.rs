@@ -31,7 +31,7 @@ const STANDS: f64 = 1e-3;
 
 pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, ExperimentError> {
     let mut rng = scene.rng(0);
-    let mut nobody = scene.at_table(&scene.truth, &[])?;
+    let mut nobody = scene.at_table(scene.truth, &[])?;
     let height = nobody.table_top();
     nobody.know_table(height);
     let things = loop {
@@ -177,7 +177,7 @@ fn in_reach(nobody: &mut OnStage, thing: &Thing) -> bool {
 
 /// Whether there are things, and all stay where they are put while nobody touches them.
 fn stand(scene: &Scene, things: &[Thing]) -> Result<bool, ExperimentError> {
-    let mut actor = scene.at_table(&scene.truth, things)?;
+    let mut actor = scene.at_table(scene.truth, things)?;
     let touched = actor.wait(0.5)?;
     let stays = |thing: &Thing| {
         let pose = |number| actor.stage.thing_pose(number).translation.vector;

@@ -13,11 +13,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
+use super::subject::Knowledge;
 use super::{By, Column, Row, Studied, Study, Subject, Trial};
 use crate::geometry::{Capsule, Frame, Shape};
 use crate::interaction::{Actor, Conversation};
 use crate::mujoco;
-use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::session::ExperimentError;
 use crate::simulation::{Stage, Substance, Thing};
 
@@ -92,10 +92,8 @@ const HANDS: [&str; 2] = ["left_hand", "right_hand"];
 
 fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
     let subject = trial.subject()?;
-    let learned = subject.learned_body()?.clone();
-    let truth = Knowledge::new(learned.with_schema(subject.truth().schema.clone()));
-    let scene =
-        Scene { subject, learned: Knowledge::new(learned), truth, seed: trial.seed, number: trial.number };
+    let [learned, truth] = subject.known()?;
+    let scene = Scene { subject, learned, truth, seed: trial.seed, number: trial.number };
     let mut all = Vec::new();
     for (name, task) in TASKS.into_iter().filter(|(name, _)| trial.asks(name)) {
         for mut row in task(&scene)? {
@@ -107,23 +105,11 @@ fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
     Ok(all)
 }
 
-/// What a creature knows of its body, and its surfaces with nothing about them.
-struct Knowledge {
-    own: OwnBody,
-    clearance: CollisionChecker,
-}
-
-impl Knowledge {
-    fn new(own: OwnBody) -> Knowledge {
-        Knowledge { clearance: CollisionChecker::new(&own), own }
-    }
-}
-
 /// What a task has to do with: a creature by what it has learned, and by the truth.
 struct Scene<'a> {
     subject: &'a Subject,
-    learned: Knowledge,
-    truth: Knowledge,
+    learned: &'a Knowledge,
+    truth: &'a Knowledge,
     seed: u64,
     /// The trial's number, from 0.
     number: u64,
@@ -132,7 +118,7 @@ struct Scene<'a> {
 impl Scene<'_> {
     /// Both schemas by which it acts, by name.
     fn schemas(&self) -> [(&'static str, &Knowledge); 2] {
-        [("learned", &self.learned), ("true", &self.truth)]
+        [("learned", self.learned), ("true", self.truth)]
     }
 
     /// The random numbers of the trial.

@@ -6,7 +6,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::{Knowledge, OnStage, Row, Scene, THING, on_table, shape};
+use super::{OnStage, Row, Scene, THING, on_table, shape};
 use crate::creature::Posture;
 use crate::interaction::{FoundThing, Hand, Trouble};
 use crate::kinematics::REACHED;
@@ -15,6 +15,7 @@ use crate::senses::Toucher;
 use crate::session::ExperimentError;
 use crate::simulation::{Substance, Thing};
 use crate::skin::Surface;
+use crate::study::subject::Knowledge;
 
 /// Draws of a thing until there is one that an arm feels and the other hand could truly reach.
 const DRAWS: usize = 60;
@@ -37,6 +38,7 @@ struct FeltThing {
 
 pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, ExperimentError> {
     let mut rng = scene.rng(u64::from(!on_the_table));
+    let mut nobody = on_the_table.then(|| scene.at_table(scene.truth, &[])).transpose()?;
     let mut drawn = None;
     for _ in 0..DRAWS {
         let thing = on_the_table.then(|| {
@@ -44,14 +46,15 @@ pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, Experim
             on_table(shape(&mut rng), x, y, rng.random_range(0.0..std::f64::consts::PI))
         });
         let arm = rng.random_range(0..2);
-        let put = match thing {
-            Some(thing) if !both_reach(scene, &thing)? => None,
-            Some(thing) => Some(PlacedThing { thing, arm, posture: None }),
-            None => in_air(scene, arm, &mut rng)?,
+        let put = match (thing, &mut nobody) {
+            (Some(thing), Some(nobody)) => {
+                both_reach(nobody, &thing).then_some(PlacedThing { thing, arm, posture: None })
+            }
+            _ => in_air(scene, arm, &mut rng)?,
         };
         let Some(put) = put else { continue };
         // Whether it is felt, and whether the other hand could truly reach it, is asked of the truth.
-        let felt = feel(scene, &scene.truth, &put, false)?;
+        let felt = feel(scene, scene.truth, &put, false)?;
         if felt.is_some_and(|(actor, felt)| reachable(actor, &felt)) {
             drawn = Some(put);
             break;
@@ -71,22 +74,22 @@ pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, Experim
     conditions.into_iter().map(row).collect()
 }
 
-/// Whether both hands could truly be where a thing stands.
-fn both_reach(scene: &Scene, thing: &Thing) -> Result<bool, ExperimentError> {
-    let mut actor = scene.at_table(&scene.truth, &[])?;
+/// Whether both hands of a creature at the table could be where a thing stands.
+fn both_reach(actor: &mut OnStage, thing: &Thing) -> bool {
     let from = actor.posture();
     let point = actor.stage.root_pose().inverse_transform_point(&Point3::from(thing.pose.translation.vector));
     let aim = ReachTarget { point: point.coords, direction: Vector3::zeros() };
-    Ok((0..2).all(|hand| {
+    (0..2).all(|hand| {
         let Hand { arm, tip, .. } = actor.hands[hand].clone();
-        actor.reaching(arm).solve(scene.truth.own.place(tip), &aim, &from).miss <= REACHED
-    }))
+        let place = actor.own.place(tip);
+        actor.reaching(arm).solve(place, &aim, &from).miss <= REACHED
+    })
 }
 
 /// A thing that is held against a random place of an arm in a random posture.
 fn in_air(scene: &Scene, hand: usize, rng: &mut ChaCha8Rng) -> Result<Option<PlacedThing>, ExperimentError> {
     let own = &scene.truth.own;
-    let mut actor = scene.at_table(&scene.truth, &[])?;
+    let mut actor = scene.at_table(scene.truth, &[])?;
     let height = actor.table_top();
     actor.know_table(height);
     let from = actor.posture();

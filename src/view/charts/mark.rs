@@ -17,11 +17,7 @@ pub enum Ink {
     Green,
     /// What is beside the point.
     Grey,
-    /// The fourth of many.
-    Pink,
-    /// The fifth.
-    Amber,
-    /// The sixth, and what is near to one.
+    /// What is near to one.
     Sky,
     /// The colour of letters.
     Letters,
@@ -32,10 +28,6 @@ pub enum Ink {
 }
 
 impl Ink {
-    /// One after the other for groups of which none means anything by itself.
-    pub const SERIES: [Ink; 7] =
-        [Ink::Blue, Ink::Orange, Ink::Green, Ink::Pink, Ink::Amber, Ink::Sky, Ink::Letters];
-
     /// Its class in `charts.css`.
     pub(super) fn class(self) -> String {
         format!("{self:?}").to_lowercase()

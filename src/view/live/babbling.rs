@@ -19,7 +19,7 @@ use crate::learning::growth::Growth;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 use crate::session::{LearningStep, Observer, Phase};
-use crate::view::body::{BodyScene, Clothes, Pose, Skeleton};
+use crate::view::body::{BodyScene, Layer, Pose, Skeleton};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::short_number as number;
@@ -233,8 +233,8 @@ impl LivePage for BabblingView {
         let wanted = self.state().wanted;
         let truth = &self.truth;
         let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
-        let clothes = Clothes::new(self.agent.skin(), Some(&truth.appearance));
-        scene.add("learned body", "learned", clothes);
+        let learned = Layer { name: "learned body".into(), poses: "learned", ..scene.layers[0].clone() };
+        scene.layers.push(learned);
         scene.skeletons.push(Skeleton::learned(&self.agent, &[]));
         scene.room = room(self.extent, self.aside());
         let caption = "Left the body as it touches itself, right the body learned so far, in the same posture. \

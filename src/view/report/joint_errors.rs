@@ -1,7 +1,7 @@
 //! The error of every joint as a box.
 
 use super::ReportInput;
-use crate::evaluation::{ContactResiduals, held_out, held_out_points};
+use crate::evaluation::{held_out, held_out_points};
 use crate::kinematics::Chain;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
@@ -28,9 +28,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             "held-out error, mm"
         }
         None => {
-            for ([a, b], residual) in
-                &ContactResiduals::new(input.agent, input.schema, input.input, input.touches).values
-            {
+            for ([a, b], residual) in &input.residuals.values {
                 Chain::between(creature, *a, *b)
                     .joints()
                     .for_each(|joint| values[joint].push(residual.abs()));

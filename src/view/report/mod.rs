@@ -15,9 +15,9 @@ mod tables;
 mod touch_matrix;
 
 use crate::agent::Agent;
-use crate::evaluation::Evaluation;
+use crate::evaluation::{ContactResiduals, Evaluation};
 use crate::ground_truth::GroundTruth;
-use crate::learning::{Account, Input};
+use crate::learning::Account;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::Touch;
 use crate::session::{Checkpoint, Prediction, SpaceRecord};
@@ -43,8 +43,8 @@ pub struct ReportInput<'a> {
     pub evaluation: Option<&'a Evaluation>,
     /// The touches that were learned from.
     pub touches: &'a [Touch],
-    /// What a touch reports.
-    pub input: Input,
+    /// How far apart the schema puts what touched.
+    pub residuals: &'a ContactResiduals,
     /// The schema on the way, from the initial guess on; every schema must fit the creature.
     pub checkpoints: &'a [Checkpoint],
     /// What the learner predicted of touches.

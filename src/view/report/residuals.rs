@@ -1,7 +1,7 @@
 //! How far apart the learned schema puts what touched.
 
 use super::ReportInput;
-use crate::evaluation::{ContactResiduals, Summary};
+use crate::evaluation::Summary;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::{short_number as number, touches};
@@ -13,7 +13,7 @@ const FAR: f64 = 6.0;
 
 /// The picture; a sentence where there was no touch.
 pub(super) fn figure_of(input: &ReportInput) -> String {
-    let residuals = ContactResiduals::new(input.agent, input.schema, input.input, input.touches);
+    let residuals = input.residuals;
     let all: Vec<f64> = residuals.values.iter().map(|(_, value)| *value).filter(|v| v.is_finite()).collect();
     if all.is_empty() {
         return "<p class=\"note\">There is no touch to look at.</p>\n".into();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{ReportInput, html};
-use crate::evaluation::{Evaluation, evaluate_claims};
+use crate::evaluation::{ContactResiduals, Evaluation, evaluate_claims};
 use crate::ground_truth::GroundTruth;
 use crate::senses::Touch;
 use crate::session::{
@@ -15,7 +15,7 @@ use crate::view::text::shell_words;
 /// The report, in a session's folder.
 pub const REPORT_FILE: &str = "report.html";
 
-/// Writes the report of a session from what its folder holds, and returns the error measures if the truth is known. Of its
+/// Writes the report of a session from what its folder holds, and returns what was learned, and the error measures if the truth is known. Of its
 /// touches those count that were learned from.
 ///
 /// # Errors
@@ -25,13 +25,14 @@ pub fn write_report(
     session: &Session,
     touches: &[Touch],
     truth: Option<&GroundTruth>,
-) -> Result<Option<Evaluation>, ExperimentError> {
+) -> Result<(LearningRecord, Option<Evaluation>), ExperimentError> {
     let agent = &session.agent;
     let creature = agent.creature();
     let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
     let found = LearningRecord::read(folder, creature)?;
     // Sessions from before there was a record still have their schema and touches.
-    let record = LearningRecord::read_or_unknown(folder, creature)?;
+    let unknown = LearningRecord::unknown(creature);
+    let record = found.as_ref().unwrap_or(&unknown);
     let touches = &touches[..record.touches.min(touches.len())];
     let joints = creature.joints();
     let undetermined: Vec<usize> =
@@ -44,6 +45,7 @@ pub fn write_report(
     let recorded = LearningOptions::default().for_session(session)?.input();
     let asked = session.options.input.as_deref().and_then(|input| input.parse().ok());
     let input = asked.unwrap_or(recorded);
+    let residuals = ContactResiduals::new(agent, &schema, input, touches);
     let predictions = read_predictions(folder)?;
     let space = SpaceRecord::read(folder)?;
     let report = ReportInput {
@@ -53,7 +55,7 @@ pub fn write_report(
         truth,
         evaluation: evaluation.as_ref(),
         touches,
-        input,
+        residuals: &residuals,
         checkpoints: &record.checkpoints,
         predictions: &predictions,
         space: space.as_ref(),
@@ -70,12 +72,8 @@ pub fn write_report(
         open_directions: &record.open_directions,
     };
     let path = folder.join(REPORT_FILE);
-    write_whole(&path, html(&report).as_bytes()).map_err(|source| RecordError::Io {
-        path,
-        action: Action::Write,
-        source,
-    })?;
-    Ok(evaluation)
+    write_whole(&path, html(&report).as_bytes()).map_err(RecordError::io(&path, Action::Write))?;
+    Ok((found.unwrap_or(unknown), evaluation))
 }
 
 /// How long touching and learning took in all, as far as that was kept.

@@ -1,5 +1,7 @@
 //! The clauses of an utterance: each has a mood, and a request that it means.
 
+use std::cmp::Reverse;
+
 use super::frames::{Wish, leads_in};
 use super::lexicon::Form;
 use super::patterns::{has, listed, taken};
@@ -52,10 +54,9 @@ impl Clause {
     fn new(mut pieces: Vec<Piece>) -> Clause {
         let mark = pieces.last().and_then(|last| last.word.mark);
         facts(&mut pieces);
-        let begin = pieces.iter().take_while(|piece| leads_in(piece)).count();
-        let rest = if begin < pieces.len() { &pieces[begin..] } else { &pieces[..] };
-        let mood = mood(rest, mark == Some(Mark::Question));
-        Clause { pieces, mood, mark }
+        let mut clause = Clause { pieces, mood: Mood::Statement, mark };
+        clause.mood = mood(clause.begun(), mark == Some(Mark::Question));
+        clause
     }
 
     /// What it begins with, what leads in apart.
@@ -203,12 +204,8 @@ impl Clause {
             listed(words.told).map(|pattern| (*intent, pattern.trim_start_matches("^ ")))
         });
         let taken = told.filter_map(|(intent, pattern)| Some((taken(&self.pieces, pattern)?.len(), intent)));
-        let best = taken.fold(
-            None,
-            |best: Option<(usize, Intent)>, this| {
-                if best.is_none_or(|best| this.0 > best.0) { Some(this) } else { best }
-            },
-        );
+        // The longest, the first of as long ones.
+        let best = taken.min_by_key(|(length, _)| Reverse(*length));
         let verb = || DOING.iter().find(|(verbs, _)| has(&self.pieces, verbs)).map(|(_, intent)| *intent);
         best.map(|(_, intent)| intent).or_else(verb)
     }
@@ -388,7 +385,7 @@ fn past(pieces: &[Piece]) -> bool {
 }
 
 /// The clauses: parted at marks and at "and", "then", "but", where there is a verb on either side.
-pub(super) fn of(pieces: Vec<Piece>) -> Vec<Clause> {
+pub(super) fn of(pieces: &[Piece]) -> Vec<Clause> {
     let verb = |piece: &Piece| {
         piece.sense == Sense::Word && piece.word.form != Form::Other && piece.word.text != "using"
     };

@@ -1,5 +1,7 @@
 //! Polite frames, "could you … if you don't mind", and fillers fall away; what is left is what is wanted, and how it was asked for.
 
+use std::cmp::Reverse;
+
 use super::lexicon::Form;
 use super::patterns::{length, listed};
 use super::pieces::{Piece, Sense};
@@ -159,7 +161,7 @@ pub(super) fn unframed(mut pieces: Vec<Piece>) -> Vec<Piece> {
         // A frame may be in a frame: "could you try to …".
         let mut wish = None;
         for _ in 0..FRAMES_IN_FRAMES {
-            let Some((within, taken)) = framed(&pieces[k..]).filter(|_| begins) else { break };
+            let Some((within, taken)) = begins.then(|| framed(&pieces[k..])).flatten() else { break };
             wish = wish.filter(|_| within != Wish::Open).or(Some(within));
             pieces.drain(k..k + taken);
             pieces[k].wanted = wish;
@@ -210,12 +212,7 @@ fn framed(pieces: &[Piece]) -> Option<(Wish, usize)> {
     let frames = FRAMES.iter().flat_map(|(wish, frames)| listed(frames).map(move |frame| (*wish, frame)));
     let found = frames.filter_map(|(wish, frame)| Some((wish, taken(frame)?)));
     // The longest, the first of as long ones.
-    found.fold(
-        None,
-        |best: Option<(Wish, usize)>, this| {
-            if best.is_none_or(|best| this.1 > best.1) { Some(this) } else { best }
-        },
-    )
+    found.min_by_key(|(_, taken)| Reverse(*taken))
 }
 
 fn tag_length(pieces: &[Piece], k: usize, tag: &str) -> Option<usize> {

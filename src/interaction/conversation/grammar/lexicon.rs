@@ -85,13 +85,11 @@ const RELATIONS: &[(&str, &str)] = &[
     ("UP", "up upward upwards"),
     ("UPRIGHT", "upright straight erect"),
     ("DOWN", "down downward downwards"),
-    ("OUT", "out"),
     ("BACK", "back backward backwards"),
     ("SIDEWAYS", "aside sideways over"),
     ("AROUND", "around about round along over across through everywhere"),
     ("ON", "on onto upon to against at towards toward over across in"),
     ("OF", "of on at from"),
-    ("CLEAR_OF", "clear"),
     ("TABLE", "table tabletop desk surface worktop counter"),
     ("SPACE", "space area surroundings environment surface scene place vicinity top region room surrounding"),
     ("REACHABLE", "reachable touchable accessible graspable unreachable attainable"),
@@ -150,7 +148,6 @@ const MODIFIERS: &[(&str, &str)] = &[
     ("ALL", "all everything every whole entire"),
     ("NUMBER", "one two three four five several many"),
     ("STILL", "still motionless immobile frozen quiet steady unmoving stationary fixed put"),
-    ("THERE", "there here where"),
     ("BIT", "bit little lot much tad touch"),
     (
         "GOOD",
@@ -309,7 +306,7 @@ impl Lexicon {
 pub(super) fn meanings(lemma: &str, text: &str) -> impl Iterator<Item = &'static str> {
     let tables = ACTS.iter().chain(RELATIONS).chain(MODIFIERS);
     let has = move |words: &str| words.split_whitespace().any(|word| word == lemma || word == text);
-    tables.filter(|(_, words)| has(words)).map(|(name, _)| *name).collect::<Vec<_>>().into_iter()
+    tables.filter(move |(_, words)| has(words)).map(|(name, _)| *name)
 }
 
 /// The regular forms of a verb.

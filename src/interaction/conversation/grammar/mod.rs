@@ -161,7 +161,7 @@ impl Language {
         let pieces = pieces::pieces(&words, &self.names);
         let mut pieces = frames::unframed(pieces);
         places::sideways(&mut pieces);
-        let clauses = clauses::of(pieces.clone());
+        let clauses = clauses::of(&pieces);
         let forbids = clauses.iter().any(Clause::denies) || clauses::denies(&pieces) && clauses.len() > 1;
         let which = pieces::which(&pieces);
         // "The one nearest you", and nothing else.

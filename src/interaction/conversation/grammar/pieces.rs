@@ -250,10 +250,9 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
         k -= 1;
     }
     let determined = k;
-    k += words[k..]
-        .iter()
-        .take_while(|word| ADJECTIVES.split_whitespace().any(|other| other == word.text))
-        .count();
+    while listed(k, ADJECTIVES) {
+        k += 1;
+    }
     // "Stick it there."
     if listed(0, "stick") && listed(1, "it that the this them your a") {
         return None;

@@ -99,7 +99,7 @@ pub(super) fn words(heard: &str, lexicon: &Lexicon) -> Vec<Word> {
         let end = core.trim_end_matches(|c: char| !c.is_alphanumeric());
         let mark = mark_of(if core.is_empty() { token } else { &core[end.len()..] });
         for part in end.split(|c: char| !c.is_alphanumeric() && c != '\'').filter(|part| !part.is_empty()) {
-            let inside = end[..part.as_ptr() as usize - end.as_ptr() as usize + part.len()].len();
+            let inside = part.as_ptr() as usize - end.as_ptr() as usize + part.len();
             for text in resolved(part) {
                 words.extend(text.split_whitespace().map(|text| lexicon.word(text)));
             }

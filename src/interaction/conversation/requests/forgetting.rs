@@ -20,17 +20,17 @@ pub(super) const FORGET: RequestKind = RequestKind {
             let one = one.map(|known| (known.id, mind.place(known)));
             match one.filter(|_| !request.all) {
                 _ if mind.things.is_empty() => {
-                    Answer::does("There is nothing that I have felt and could forget", true)
+                    Answer::done("There is nothing that I have felt and could forget")
                 }
                 Some((id, place)) => {
                     mind.forget(id);
-                    Answer::does(format!("I have forgotten the thing {place}"), true)
+                    Answer::done(format!("I have forgotten the thing {place}"))
                 }
                 None if request.all => {
                     mind.forget_all();
-                    Answer::does("I have forgotten all that I felt of things", true)
+                    Answer::done("I have forgotten all that I felt of things")
                 }
-                None => Answer { said: mind.question(), done: None, asks: true },
+                None => Answer::asks(mind.question()),
             }
         }),
     )

@@ -24,7 +24,7 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind {
         ["keep still", "kept still"],
         Act::Minds(|mind, _| {
             *mind.still = true;
-            Answer::does("I keep still until you ask me to do something", true)
+            Answer::done("I keep still until you ask me to do something")
         }),
     )
 };

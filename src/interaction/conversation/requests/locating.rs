@@ -142,7 +142,7 @@ impl Conversation {
         match named.and_then(|id| self.things.get(id)).or(self.things.it()) {
             Some(known) => Ok(known),
             None if self.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
-            None => Err(Answer { said: self.question(), done: None, asks: true }),
+            None => Err(Answer::asks(self.question())),
         }
     }
 
@@ -229,7 +229,7 @@ impl Conversation {
     pub(in super::super) fn relation(&self, request: &Request) -> Option<Answer> {
         let (what, to) = request.related.as_ref()?;
         if let Some(doubt) = self.doubt() {
-            return Some(Answer::does(doubt, false));
+            return Some(Answer::failed(doubt));
         }
         Some(self.related(request, what, to).map_or_else(|answer| answer, Answer::tells))
     }
@@ -291,9 +291,10 @@ impl Conversation {
     }
 
     fn what_felt(&self) -> Answer {
-        let holds = self.actor.stick().map(|stick| {
-            format!("I hold the stick with my {}", in_words(&self.actor.hands[stick.hand].name))
-        });
+        let holds = self
+            .actor
+            .stick()
+            .map(|stick| format!("I hold the stick with my {}", self.hand_name(stick.hand)));
         let touched = match &self.spot {
             Some(OwnSpot { receptor, by_stick }) => {
                 let by = if *by_stick { "the stick" } else { "my own hand" };

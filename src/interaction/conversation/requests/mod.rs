@@ -77,6 +77,11 @@ pub(super) struct Answer {
 }
 
 impl Answer {
+    /// It asks back.
+    pub fn asks(said: impl Into<String>) -> Answer {
+        Answer { said: said.into(), done: None, asks: true }
+    }
+
     /// It tells something.
     pub fn tells(said: impl Into<String>) -> Answer {
         Answer { said: said.into(), done: None, asks: false }

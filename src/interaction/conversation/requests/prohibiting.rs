@@ -7,7 +7,7 @@ pub(super) const DONT: RequestKind = RequestKind {
         ["", ""],
         Act::Minds(|mind, request| {
             let Some(intent) = request.about else {
-                return Answer::does("All right, I do not do that", true);
+                return Answer::done("All right, I do not do that");
             };
             let doing = intent.kind().map_or("do that", |kind| kind.doing[0]);
             let doing = match (&request.part, intent) {
@@ -15,7 +15,7 @@ pub(super) const DONT: RequestKind = RequestKind {
                 _ => doing.to_string(),
             };
             mind.forbid(intent, request.part.clone());
-            Answer::does(format!("All right, I will not {doing}"), true)
+            Answer::done(format!("All right, I will not {doing}"))
         }),
     )
 };

@@ -27,7 +27,7 @@ pub(super) const QUIT: RequestKind = RequestKind {
         ["end our talk", "ended our talk"],
         Act::Minds(|mind, _| {
             *mind.over = true;
-            Answer::does("Goodbye", true)
+            Answer::done("Goodbye")
         }),
     )
 };

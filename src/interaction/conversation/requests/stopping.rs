@@ -19,7 +19,7 @@ pub(super) const STOP: RequestKind = RequestKind {
         ["stop", "stopped"],
         Act::Minds(|mind, _| {
             *mind.still = true;
-            Answer::does("I have stopped, and stay as I am", true)
+            Answer::done("I have stopped, and stay as I am")
         }),
     )
 };

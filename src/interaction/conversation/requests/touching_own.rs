@@ -40,7 +40,7 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind {
 impl Conversation {
     fn touch_part(&mut self, request: &Request) -> Acted {
         let Some(part) = &request.part else {
-            return Ok(Answer { said: "Which part of me do you mean?".into(), done: None, asks: true });
+            return Ok(Answer::asks("Which part of me do you mean?"));
         };
         let found = match body_part::find(&self.actor, part, self.hand_touching()) {
             Ok(found) => found,
