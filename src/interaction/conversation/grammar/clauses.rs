@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use super::frames::{Wish, leads_in};
 use super::lexicon::Form;
-use super::patterns::{has, listed, taken};
+use super::patterns::{has, length, listed, taken};
 use super::pieces::{Piece, Sense};
 use super::words::Mark;
 use super::{Grammar, Intent, Words};
@@ -31,16 +31,24 @@ const DENYING: &str = "not|never|without|neither|nor|refrain|abstain|cease|desis
     nothing; instead of; rather than; \
     avoid|stop|quit|skip|hate|dislike|loathe|mind|resent ?with ?the|THING|you|it DOING; \
     leave|left THING|SOME|BODY alone|be; leave off; leave|left THING where; let THING be $; HAND off; \
-    no ?more DOING|TOUCH|PUSH|LEAN|LIFT|REACH|PULL|GRAB|PUT|contact; keep|take|get HAND off|away|from; \
+    no ?more DOING|TOUCH|PUSH|LEAN|LIFT|REACH|PULL|GRAB|PUT|contact; keep HAND off|away|from; \
     hold off|back from|DOING; keep|stay off; keep|away|refrain|far from DOING|TOUCH; from DOING; \
     forget ?about DOING; i|we would ?really|absolutely hate|dislike|loathe|resent|mind|object; \
     BAD if|to|for|idea; HAND to yourself; keep HAND to; no business; anything|SOME but; under|by|on no; \
     be forbidden|=forbidden; off limits; make no; nowhere; no need|reason|longer|point; last thing; \
     no|nope|nah ?ANY ?THING $; beware of; cut THING out";
-/// How many words a side counts for that a thing is to be moved to.
-const SIDE: usize = 4;
+/// How many words more a side counts for that a thing is to be moved to, and a stick.
+const MORE: usize = 4;
 /// Words that a command may begin with, before its verb.
 const MEANS: &str = "with by using to back over in from on up down away off left right out again your the";
+
+/// What makes a question of what is stated: "…, isn't it?"
+const TAG: &str = "=did|=does|=have|=has|=were|=was|=are|=is ?not you|THING $";
+/// How something is asked for that is to be told: "describe it", "give me an estimate".
+const TELLING: &[&str] = &["^ TELL|COUNT", "^ give me|us !THING|SOME|back|STICK"];
+/// What names the hand that is to do something, beside what it is to do.
+const BY: &[&str] =
+    &["USE|take|STRETCH|extend|raise|lift ?out ?up HAND ?out ?up and|to", "with|by|using|use HAND"];
 
 /// A clause without what says nothing.
 pub(super) struct Clause {
@@ -101,11 +109,12 @@ impl Clause {
             piece.wanted.is_some()
                 || piece.sense == Sense::Word && piece.word.form.is_base() && !piece.is("be do have use")
         };
-        let by =
-            |k: &usize| begun[*k].is("with by using use") && matches!(begun[k + 1].sense, Sense::Hand(_));
-        let by = (0..begun.len().saturating_sub(1)).find(by).filter(|_| begun.iter().any(acts));
+        let by = (0..begun.len()).find_map(|k| {
+            let taken = BY.iter().find_map(|by| length(&begun[k..], by))?;
+            begun[..k].iter().chain(&begun[k + taken..]).any(acts).then_some((k, taken))
+        });
         let begun: Vec<Piece> = match by {
-            Some(k) => begun[..k].iter().chain(&begun[k + 2..]).cloned().collect(),
+            Some((k, taken)) => begun[..k].iter().chain(&begun[k + taken..]).cloned().collect(),
             None => begun.to_vec(),
         };
         let head = begun
@@ -123,9 +132,12 @@ impl Clause {
         for (intent, words) in grammar.iter() {
             for pattern in listed(of(words)) {
                 let Some(taken) = taken(&begun, pattern) else { continue };
-                // "To the left" says more than the words about it.
-                let side = taken.iter().any(|&k| matches!(begun[k].sense, Sense::Side(_)));
-                let weight = taken.len() + if side { SIDE } else { 0 };
+                // "To the left" says more than the words about it, and "the stick" where it is named.
+                let stick = pattern.contains("STICK");
+                let says_more =
+                    |piece: &Piece| matches!(piece.sense, Sense::Side(_)) || stick && piece.is_stick();
+                let more = taken.iter().any(|&k| says_more(&begun[k]));
+                let weight = taken.len() + if more { MORE } else { 0 };
                 if best.is_none_or(|(most, ..)| weight > most) {
                     best = Some((weight, *intent, taken.contains(&head)));
                 }
@@ -159,7 +171,14 @@ impl Clause {
                     }
                 }
             }
-            Mood::Question => self.either(grammar, |words| words.asked),
+            Mood::Question => {
+                // "Introduce yourself": it is told to tell.
+                let told = has(self.begun(), "^ VERB").then(|| self.more(grammar, |words| words.told));
+                let told = told.flatten().filter(|(intent, ..)| !intent.moves());
+                let asked = self.more(grammar, |words| words.asked);
+                let told = told.filter(|told| asked.is_none_or(|asked| told.2 > asked.2));
+                told.or(asked).map(|(intent, heads, _)| (intent, heads))
+            }
             Mood::Past => no_leave(self.either(grammar, |words| words.past)),
             Mood::Prohibition => no_leave(
                 self.says(grammar, |words| words.denied)
@@ -194,10 +213,12 @@ impl Clause {
 
     /// The request that it is about, whatever it says of it.
     pub fn about(&self, grammar: &Grammar) -> Option<Intent> {
-        if has(&self.pieces, "HAND off|away .. PART") {
+        if has(&self.pieces, "HAND off|away .. PART") || has(&self.pieces, "leave|left PART alone|be") {
             return Some(Intent::TouchOwn);
         }
-        if has(&self.pieces, "HAND off|away") || has(&self.pieces, "leave|left THING|SOME alone|be") {
+        if has(&self.pieces, "HAND off|away")
+            || has(&self.pieces, "leave|left THING|SOME alone|be|where|there")
+        {
             return Some(Intent::Touch);
         }
         let told = grammar.iter().filter(|(intent, _)| intent.moves()).flat_map(|(intent, words)| {
@@ -265,7 +286,10 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
         return Mood::Question;
     }
     let inverted = has(pieces, "^ !=do !=have !need HELPING ?not SUBJECT|THING|SOME|BODY")
-        || has(pieces, "^ =do|=have|need ?not SUBJECT|BODY|THING !AGAIN");
+        || has(pieces, "^ be|=does ?any ?of its|your|the|any")
+        || has(pieces, "^ =do|=have|need ?not SUBJECT|BODY|THING !AGAIN")
+            // "Have it close to you."
+            && (asks || !has(pieces, "^ =have THING|BODY") || has(pieces, "PAST"));
     let inverted = inverted
         && (asks || !has(pieces, "^ =do not you"))
         && !has(pieces, "^ =do THING|that|so|SOME ?ALL|MORE|one|over AGAIN|MORE|over|$");
@@ -273,7 +297,7 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
         pieces,
         "^ i|we|my|let|THING .. KNOW|=wondering|curious|interested|idea|question|sure|unsure|TELL|ask|hear|learn|find ?me|is ?of|out ?about ASKING|if|whether",
     ) || has(pieces, "^ i|we do|can|could not KNOW|tell");
-    let tagged = has(pieces, "=did|=have|=has|=were|=are ?not you|THING $") && asks;
+    let tagged = has(pieces, TAG) && asks;
     let asks_within = !pieces.first().is_some_and(|first| first.word.form.is_base())
         && has(
             pieces,
@@ -282,7 +306,8 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
     let asking = tagged
         || wonders
         || asks_within
-        || has(pieces, "^ ?and|so|in|on|to|for|with|at|from|by ASKING")
+        || has(pieces, "^ ?and|so|in|on|to|for|with|at|from|by|about|up ?to ASKING")
+        || has(pieces, "^ let me|us =know|=hear")
         || inverted
         || has(pieces, "^ any|DOING|ok|okay") && asks
         || has(pieces, "^ ?have|do ?you ?have ?you ?any|no|an idea");
@@ -305,6 +330,8 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
         return Mood::Past;
     }
     match () {
+        // What is to be told is asked for, however it is wanted.
+        () if TELLING.iter().any(|telling| has(pieces, telling)) => Mood::Question,
         () if wanted => Mood::Command,
         () if asking => Mood::Question,
         () if command || begins_as_command(pieces) => Mood::Command,
@@ -320,7 +347,7 @@ fn negative_question(pieces: &[Piece]) -> bool {
     }
     has(pieces, "^ HELPING not SUBJECT|THING|SOME|BODY & !nothing")
         || has(pieces, "^ i|we do|can|could not KNOW|tell")
-        || has(pieces, "=did|=have|=has|=were|=are ?not you|THING $")
+        || has(pieces, TAG)
         || has(pieces, "^ ?and|so why|how|what|where|who|which")
         || has(pieces, "not $")
         || has(pieces, "without") && !has(pieces, "not|never|no") && has(pieces, "able|REACH|get|GRAB|TOUCH")
@@ -346,12 +373,12 @@ fn begins_as_command(pieces: &[Piece]) -> bool {
 fn hypothetical(pieces: &[Piece]) -> bool {
     let whether = has(
         pieces,
-        "see|check|find|out|tell|know|feel|look|ask|wonder|say|determine|test|learn|sure|idea|care|clear ?me|us|THING if|whether",
+        "see|check|find|out|tell|know|feel|look|ask|wonder|say|determine|test|learn|sure|idea|care|clear ?me|us|THING|with ?HAND if|whether",
     );
     let inverted = has(pieces, "^ =were|=should|=had THING|SOME|BODY|SUBJECT")
         && pieces.last().is_some_and(|last| last.word.mark == Some(Mark::Pause));
     [
-        "^ suppose|supposing|imagine|pretend|assume",
+        "^ suppose|supposing|imagine|pretend|assume & !POSE",
         "^ say you",
         "would happen",
         "what =happens",
@@ -397,7 +424,8 @@ pub(super) fn of(pieces: &[Piece]) -> Vec<Clause> {
         let anew = piece.is("and then but")
             && next.is_some_and(|next| next.word.form.is_base() || next.is("can could would will"))
             && part.iter().any(verb)
-            && !has(part, "^ ?ANY use");
+            && !has(part, "^ ?ANY use")
+            && !(has(part, "^ ?ANY USE|take|REACH ?out HAND") && length(rest, "VERB").is_some());
         if anew {
             parts.push(Vec::new());
         }

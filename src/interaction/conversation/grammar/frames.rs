@@ -32,7 +32,8 @@ const ANSWER: &str = "i|we ?would|do ?really =like|=love|=want|=need|=wish to =k
     i|we be unsure|not ?sure|certain ~ ASKING|if|whether; i|we have no idea ~ ASKING|if|whether; \
     i|we ?would|=am be ?ever ?so GOOD|interested|curious to =know|=hear|=learn ~ ASKING|if|whether|your|the|its|ANY; \
     THING would be GOOD ?for ?me to =know|=hear|=learn ~ ANY|THING|PART|HAND; \
-    my question be ~ ASKING|if|whether; ?do ?you have ?you any|an|no idea ?of|about ~ ANY|THING|PART|HAND";
+    my question be ~ ASKING|if|whether; ?do ?you have ?you any|an|no idea ?of|about ~ ANY|THING|PART|HAND; \
+    any|some|an idea|notion|clue|guess ?of|about|as ?to ~ ASKING|if|whether|the|its";
 /// They ask for it.
 const ASKED: &str = "can|could|will|would|might|may not you ?also VERB; \
     can|could|will|would|might|may you ?also ?try ?and ?to VERB; \
@@ -50,12 +51,14 @@ const ASKED: &str = "can|could|will|would|might|may not you ?also VERB; \
     fancy|care|mind ?to DOING|VERB; \
     ?be ?there any|a chance|way|possibility ?that|of you ?could|can|might|would VERB|DOING; \
     do you think|reckon|suppose ?that you could ?maybe|perhaps VERB; think|reckon you could|can VERB; \
-    shall|should|can|could we VERB; i =wonder|=wondered ?if|whether you could|would|might|can VERB; \
+    shall|should|can|could we VERB; i =wonder|=wondered ?if|whether you could|would|might VERB; \
     i be|was =wondering|=hoping|=thinking ?if|whether ?that you could|would|might|should|can|will VERB";
 /// They say that it is wanted.
 const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=love|=prefer|=expect|=require|=ask|=beg|=urge|=command|=order|=tell ?for you ?now ?to VERB; \
     i|we would ?really|much|rather ?really|much =like|=love|=prefer|=appreciate|=welcome ?THING ?if ?that ?for you ?to ?could|would|can VERB|PAST|DOING; \
     i|we would ?really|much =like|=love to see|have|watch you VERB|DOING; \
+    i|we would ?much|rather =like|=love|=prefer|=appreciate|=welcome THING if|when ~ THING|HAND; \
+    THING would be ?much|so GOOD if ~ THING|HAND; \
     i|we =want|=need to see|have you VERB|DOING; i would ?much rather|sooner ?that you ?would VERB|PAST; \
     i|we would|will be ?ever ?so|much|most|more|eternally ?much GOOD ?to|for|by ?you|THING if|when|for|to ?you ?could|would|can|will|to|see|have ?you VERB|PAST|DOING; \
     i be =asking|=begging|=telling|=hoping|=expecting|=counting|=relying|=waiting ?on|for|that you ?to|will|would|can|could VERB|DOING; \
@@ -65,7 +68,7 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
     THING would|might|will be ?so|very|really|much|such|a|of ?very|a ?great GOOD|help|treat|pleasure|thing|idea|service ?thing|idea|help|move|pleasure ?of ?to|for ?you|me ?now|if|to|when ?you ?to|could|would|can|just VERB|PAST; \
     THING would|will ?really|greatly please|help|delight|suit|make ?me|us ?no|a|my|so ?end|great|day|very ?GOOD|lot|end|deal|day ?lot|deal ?to ?see|if ?you|have ?you ?could|would|can VERB|PAST|DOING; \
     ?i ?=think|=guess ?that THING =is ?high|about|now|your time|turn|chance|job|task|mission ?now|for|that ?you ?to VERB|PAST; \
-    THING =is time to get DOING; time ?for ?you ?now ?to VERB|PAST; \
+    THING =is time to get DOING; time for|to ?you ?now ?to VERB|PAST; \
     THING be okay|ok|fine|alright ?now ?for ?you to VERB; \
     your|the ?next|first|new|only task|job|mission|goal|turn|aim ?now be ?now ?to ?to VERB; \
     what|all ?that ?i|you|we ?would|do|have ?to =like|=want|=need|=do|=ask|=have|=now ?to ?do ?from|of ?you ?to ?do be ?that|for ?you ?to VERB; \
@@ -74,7 +77,7 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
     you =are =to VERB; \
     you =are ?now|hereby free|welcome|allowed|encouraged|invited|requested|asked|required|permitted|supposed|expected ?now to VERB; \
     you have =got to VERB; we should|must VERB; do not forget to VERB; see|look to THING that ?you VERB; \
-    you BASE; see|check ?out if|whether you can|could VERB; let us|me see|watch|have ?you VERB|DOING; \
+    you !look|seem|appear|sound|feel|KNOW|CARE BASE; see|check ?out if|whether you can|could VERB; let us|me see|watch|have ?you VERB|DOING; \
     let us ?all|now ?try VERB|DOING; THING|BODY need|want|require|deserve|could|do ?with DOING; \
     go|carry|come|keep ?ahead|on|right ?ahead|on and|then|=to VERB; go ahead|on ?now VERB; go|come VERB; \
     get DOING; get ?a ?move|busy|straight|going|down|on ?on|to ?to|with|and DOING; \
@@ -90,7 +93,7 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
     maybe|perhaps|possibly ?you VERB; \
     i|we ?would|do ?really|rather =like|=love|=prefer|=want|=need ?to ?see ?have ~ THING|HAND|PART|STICK; \
     THING|i would be ?much|very|so GOOD if|with ~ THING|HAND|PART; \
-    THING would be ?much|so ~ GOOD ?if FAR|NEAR; ~ THING|HAND should|must|ought|need|have ?to be|GO; \
+    THING would be ?much|so ~ GOOD ?if FAR|NEAR; ~ THING|HAND should|must|ought|need ?to be|GO; ~ THING|HAND have|=is|=are to be|GO; \
     =get|=have ~ THING PAST; i|we could ?really use|do ?with ~ THING|HAND; \
     have|let|make|get ~ HAND TOUCH|GRAB|GO|make; go|get|come ?over|up ?to|there|here|THING and VERB";
 /// They leave open whether it is.
@@ -136,9 +139,10 @@ const ABILITY: &str = "can|could THING be =reached|=touched|=grasped|=gripped; \
     can|could|would|will you ?be ?able ?to ?maybe ?still REACH THING|that|there; \
     can|could|would|will you ?be ?able ?to get at|to THING|there|that; \
     can|could|would|will you be able to TOUCH|GRAB|get|FEEL; be you able; \
-    you can|could|would ?be ?able ?to REACH THING|that; can|could|would you TOUCH|GRAB THING from|without; \
+    you can|could|would ?be ?able ?to REACH THING|that; can|could|would you TOUCH|GRAB !STICK THING from|without; \
     can|could you FEEL|sense|perceive|notice SOME|THING $; can|could you FEEL|sense SOME; \
-    =do|=does you =have|=need; you ?should|could|must|might|would =have; would you =have; \
+    =do|=does you =have|=need; you ?should|could|must|might|would =have; would you =have !a|the|another; \
+    would|will|do you =need ?to; would|be THING ?be possible ?for ?you ?to REACH THING|that; \
     would|could|can ?ANY BODY ?be ?able";
 
 /// How many frames may be in each other.

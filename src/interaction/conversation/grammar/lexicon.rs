@@ -1,5 +1,6 @@
 //! What words mean: acts, relations and modifiers, a table each, and words that have no meaning of their own here.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::words::Word;
@@ -8,48 +9,60 @@ use super::words::Word;
 const ACTS: &[(&str, &str)] = &[
     (
         "TOUCH",
-        "touch tap poke contact stroke pat prod nudge brush press rub tickle knock meet feel finger pet",
+        "touch tap poke contact stroke pat prod nudge brush press rub tickle knock meet feel finger pet jab dab graze caress boop rap flick smack fondle nuzzle",
     ),
-    ("TEND", "scratch squeeze pinch cover tug pull slap massage cup hug clutch hit approach point wipe"),
-    ("REACH", "reach stretch extend"),
-    ("GRAB", "grab grasp seize grip clasp hold catch take grapple"),
-    ("LIFT", "lift raise hoist heave elevate pick uplift"),
+    (
+        "TEND",
+        "scratch squeeze pinch cover tug pull slap massage cup hug clutch hit approach point wipe thump cradle pound smack caress",
+    ),
+    ("REACH", "reach stretch extend strain"),
+    ("GRAB", "grab clutch grasp seize grip clasp hold catch take grapple snatch nab clench snag cradle"),
+    ("LIFT", "lift raise hoist heave elevate pick uplift scoop heft pluck"),
     (
         "PUT",
-        "put place set lay move position stow stick deposit relocate reposition transport carry stand rest pop plonk",
+        "put place set lay move position stow stick deposit relocate reposition transport carry stand rest pop plonk park install plant perch settle arrange situate dump transfer",
     ),
-    ("PUSH", "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl"),
-    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover"),
-    ("DROP", "release drop free unhand relinquish unclasp ungrip unclench loosen loose"),
-    ("LEAN", "lean bend tilt bow stoop hunch incline tip"),
-    ("STRAIGHTEN", "straighten unbend sit rise"),
+    (
+        "PUSH",
+        "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl shuffle fling flick bump sling roll steer sweep jog",
+    ),
+    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover yank tow reel lug"),
+    (
+        "DROP",
+        "release drop free unhand relinquish unclasp ungrip unclench loosen loose unclamp detach disengage unfasten",
+    ),
+    ("LEAN", "lean bend tilt bow stoop hunch incline tip crouch slant slope"),
+    ("STRAIGHTEN", "straighten unbend sit rise uncurl unfold erect"),
     (
         "SEARCH",
-        "explore search scan scour sweep comb probe survey hunt seek grope fumble rummage scout forage root",
+        "explore search scan scour sweep comb probe survey hunt seek grope fumble rummage scout forage root fish rake trawl patrol browse",
     ),
     ("LOOK", "look see"),
     ("FIND", "find locate discover detect encounter spot identify"),
     ("FEEL", "feel sense perceive notice palpate"),
     (
         "EXAMINE",
-        "examine inspect investigate study trace measure check determine verify test learn recognise recognize figure map outline",
+        "examine inspect investigate study trace measure check determine verify test learn recognise recognize figure map outline assess analyse analyze ascertain gauge confirm scrutinise scrutinize handle",
     ),
-    ("RUN", "run pass glide wander follow trace slide move go stroke guide draw sweep brush walk wave swing"),
-    ("AVOID", "avoid dodge evade duck swerve flinch sidestep shun"),
+    (
+        "RUN",
+        "run pass glide wander follow trace slide move go stroke guide draw sweep brush walk wave swing ",
+    ),
+    ("AVOID", "avoid dodge evade duck swerve flinch sidestep shun escape elude flee retreat recoil"),
     ("PROTECT", "protect defend save guard shield"),
     ("GO", "go come move get step return"),
-    ("RELAX", "rest relax unwind chill"),
+    ("RELAX", "rest relax unwind chill idle"),
     ("FORGET", "forget erase unlearn delete disregard discard purge ignore"),
-    ("CLEAR", "clear clean empty wipe reset flush banish dismiss remove"),
-    ("REPEAT", "repeat retry redo rerun"),
+    ("CLEAR", "clear clean empty wipe reset flush banish dismiss remove strike drop dump purge blank"),
+    ("REPEAT", "repeat retry redo rerun replay"),
     ("TRY", "try attempt"),
     ("DO", "do perform make"),
-    ("STOP", "stop halt cease pause abort cancel desist"),
+    ("STOP", "stop interrupt halt cease pause abort cancel desist"),
     ("END", "end finish terminate conclude close stop leave quit exit"),
     ("KEEP", "keep stay remain hold stand sit lie wait be"),
     (
         "TELL",
-        "tell say describe report explain show name state mention list summarise summarize recap recount estimate announce",
+        "tell say describe report explain show name state mention list summarise summarize recap recount estimate announce indicate specify recite brief",
     ),
     ("KNOW", "know remember recall wonder guess see think reckon believe"),
     ("COUNT", "count tally"),
@@ -61,7 +74,7 @@ const ACTS: &[(&str, &str)] = &[
     ("INTRODUCE", "introduce present"),
     ("SPEAK", "talk speak chat ask command instruct control operate type"),
     ("CALIBRATE", "calibrate recalibrate relearn"),
-    ("STIR", "move budge stir twitch wiggle wriggle fidget shift"),
+    ("STIR", "move budge stir twitch wiggle wriggle fidget shift wobble shake"),
     (
         "CARE",
         "want need like love prefer wish expect mind hope enjoy hate dislike mean choose start begin put set \
@@ -78,7 +91,7 @@ const RELATIONS: &[(&str, &str)] = &[
     ("FARTHER", "far farther further farthest furthest away miles"),
     (
         "FAR",
-        "far farther further farthest furthest away distant remote off beyond miles opposite apart yonder outward outwards",
+        "far farther further farthest furthest away distant remote off beyond miles opposite apart yonder outward outwards outlying",
     ),
     ("NEAR", "near nearer nearest close closer closest nearby here adjacent inward inwards"),
     ("FORWARD", "forward forwards ahead forth"),
@@ -91,9 +104,12 @@ const RELATIONS: &[(&str, &str)] = &[
     ("ON", "on onto upon to against at towards toward over across in"),
     ("OF", "of on at from"),
     ("TABLE", "table tabletop desk surface worktop counter"),
-    ("SPACE", "space area surroundings environment surface scene place vicinity top region room surrounding"),
-    ("REACHABLE", "reachable touchable accessible graspable unreachable attainable"),
-    ("RANGE", "reach range grasp arm length stretch"),
+    (
+        "SPACE",
+        "space area surroundings environment surface scene place vicinity top region room surrounding workspace tabletop",
+    ),
+    ("REACHABLE", "reachable touchable accessible graspable unreachable attainable "),
+    ("RANGE", "reach range grasp arm length stretch workspace"),
     ("LENGTH", "length extent reach"),
     ("GAP", "distance gap space separation room"),
     (
@@ -111,7 +127,7 @@ const RELATIONS: &[(&str, &str)] = &[
     (
         "SIZED",
         "big bigger biggest large larger small smaller huge tiny wide wider tall taller long longer thick thicker high higher narrow \
-        bulky broad deep thin short little great",
+        bulky broad deep thin short little great fat slim massive",
     ),
     (
         "SIZE",
@@ -127,16 +143,16 @@ const RELATIONS: &[(&str, &str)] = &[
         "where whereabouts location position place spot coordinates direction bearing site posture pose orientation",
     ),
     ("CONTACT", "contact sensation sensations feeling feelings pressure touch"),
-    ("POSE", "position posture pose place stance state spot"),
+    ("POSE", "position posture pose place stance state spot configuration"),
     (
         "START",
-        "start starting initial original beginning resting rest home neutral default ready waiting old normal base",
+        "start starting initial original beginning resting rest home neutral default ready waiting old normal base previous usual idle configuration",
     ),
     ("MEMORY", "memory mind memories head slate history knowledge record list thoughts"),
     (
         "COMMANDS",
         "commands command abilities ability skills skill options instructions requests functions features actions tasks tricks \
-        sentences questions capabilities talents repertoire words manual menu usage examples example",
+        sentences questions capabilities talents repertoire words manual menu usage examples example request vocabulary",
     ),
     ("TALK", "conversation talk session chat dialogue program"),
     ("BEING", "creature robot being person machine human man woman computer"),
@@ -144,7 +160,7 @@ const RELATIONS: &[(&str, &str)] = &[
 /// How, how often, how much.
 const MODIFIERS: &[(&str, &str)] = &[
     ("AGAIN", "again anew afresh once"),
-    ("MORE", "more another"),
+    ("MORE", "more another further additional extra"),
     ("ALL", "all everything every whole entire"),
     ("NUMBER", "one two three four five several many"),
     ("STILL", "still motionless immobile frozen quiet steady unmoving stationary fixed put"),
@@ -153,7 +169,7 @@ const MODIFIERS: &[(&str, &str)] = &[
         "GOOD",
         "good nice great lovely wonderful splendid helpful handy useful super brilliant fantastic marvellous excellent perfect ideal \
         best better wise clever kind sweet cool awesome amazing fun grateful glad happy happier pleased delighted thankful obliged thrilled \
-        grand terrific preferable sensible superb neat fine well dandy swell dear angel",
+        grand terrific preferable sensible superb neat fine well dandy swell dear angel impressive tremendous stellar",
     ),
     (
         "BAD",
@@ -161,7 +177,7 @@ const MODIFIERS: &[(&str, &str)] = &[
     ),
     (
         "THANKS",
-        "thank thanks grateful ta appreciate appreciated thankful cheers obliged indebted kudos bravo",
+        "thank thanks grateful ta appreciate appreciated thankful cheers obliged indebted kudos bravo superb",
     ),
     ("HELLO", "hello hi hey hiya howdy greetings welcome yo salutations"),
     ("BYE", "cheerio bye goodbye farewell ciao adieu byebye"),
@@ -173,7 +189,10 @@ const MODIFIERS: &[(&str, &str)] = &[
     ("NO", "no nope nah negative nay"),
     ("ASKING", "what where when why who which how whereabouts whose whom"),
     ("HELPING", "can could will would may might shall should must do be have need ought"),
-    ("SUBJECT", "i you he she it we they there this that these those who everybody nobody somebody people"),
+    (
+        "SUBJECT",
+        "i you he she it we they there their this that these those who everybody nobody somebody people",
+    ),
 ];
 /// Words without a meaning of their own here.
 const FUNCTION: &str = "a an the of to in on at by for with from into and or but not never nor neither if unless whether because so as \
@@ -281,25 +300,63 @@ impl Lexicon {
         let length = typed.chars().count();
         let slips = match length {
             0..=2 => return None,
-            3..=7 => 1,
+            3..=8 => 1,
             _ => 2,
         };
         let distance = |known: &&str| strsim::osa_distance(typed, known);
-        let same_letters = |known: &str| {
-            let mut both = [typed, known].map(|word| word.chars().collect::<Vec<_>>());
-            both.iter_mut().for_each(|word| word.sort_unstable());
-            both[0] == both[1]
-        };
-        let alike = |known: &&str| {
+        let may_be = |known: &&str| {
             let letters = known.chars().count();
+            let begins = known.chars().next() == typed.chars().next();
             let close = letters > 2 && letters.abs_diff(length) <= slips;
-            // What begins otherwise is another word, but for two letters that changed places.
-            close && (length > 3 && known.chars().next() == typed.chars().next() || same_letters(known))
+            // A short word lacks a letter; what begins otherwise is another word, but for slips that are plain.
+            close && (begins && (length > 3 || letters > 3) || length > 3 && fingers_slip(typed, known))
+                || close && same_letters(typed, known)
         };
+        let verb = |known: &str| self.forms.get(known).is_some_and(|(_, form)| *form != Form::Other);
         let near =
-            self.forms.keys().map(String::as_str).filter(alike).filter(|known| distance(known) <= slips);
-        near.min_by_key(|known| (distance(known), !same_letters(known), std::cmp::Reverse(known.len())))
+            self.forms.keys().map(String::as_str).filter(may_be).filter(|known| distance(known) <= slips);
+        // Of words that are as near a plain slip, then a letter that was left out, then a verb: what is done matters most.
+        near.min_by_key(|known| {
+            let plain = fingers_slip(typed, known) || known.chars().count() > length;
+            (distance(known), !same_letters(typed, known), !plain, Reverse(known.len()), !verb(known))
+        })
     }
+}
+
+/// Whether two words have the same letters.
+fn same_letters(a: &str, b: &str) -> bool {
+    let [a, b] = [a, b].map(|word| {
+        let mut letters: Vec<char> = word.chars().collect();
+        letters.sort_unstable();
+        letters
+    });
+    a == b
+}
+
+/// The keys of a keyboard.
+const KEYS: [&str; 3] = ["qwertyuiop", "asdfghjkl", "zxcvbnm"];
+
+/// Whether fingers slip to what was typed from what was meant: to a key beside one, or on one twice.
+fn fingers_slip(typed: &str, meant: &str) -> bool {
+    let key = |letter: char| {
+        let at = |(row, keys): (usize, &&str)| Some((row, keys.find(letter)?));
+        KEYS.iter().enumerate().find_map(at)
+    };
+    let beside = |a: char, b: char| match (key(a), key(b)) {
+        (Some((row, k)), Some((other, j))) if row == other => k.abs_diff(j) <= 1,
+        // A lower row is shifted half a key to the right.
+        (Some((row, k)), Some((other, j))) if row + 1 == other => j == k || j + 1 == k,
+        (Some((row, k)), Some((other, j))) if other + 1 == row => j == k || k + 1 == j,
+        _ => false,
+    };
+    let mut others = typed.chars().zip(meant.chars()).filter(|(a, b)| a != b);
+    let twice = || {
+        let letters: Vec<char> = typed.chars().collect();
+        let once = |k: usize| letters[..k].iter().chain(&letters[k + 1..]).collect::<String>();
+        (1..letters.len()).any(|k| letters[k] == letters[k - 1] && once(k) == meant)
+    };
+    let mut one = || others.next().is_some_and(|(a, b)| beside(a, b)) && others.next().is_none();
+    if typed.len() == meant.len() { one() } else { twice() }
 }
 
 /// What a word means: the names of the tables' lines that it stands in.

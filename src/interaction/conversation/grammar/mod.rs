@@ -189,11 +189,12 @@ impl Language {
         // Whatever is denied or supposed anywhere, it is better to ask.
         let doubtful = clauses.iter().any(|clause| matches!(clause.mood, Mood::Hypothesis | Mood::Past))
             || forbids
-            || clauses.iter().any(|clause| has(&clause.pieces, DOUBTFUL))
+            || clauses.iter().any(|clause| DOUBTFUL.iter().any(|doubt| has(&clause.pieces, doubt)))
             || aside.is_some_and(|aside| !aside.clear)
             || words::quotes(heard);
         let whole = unknown.is_empty() && !doubtful;
-        let asked = heads && (mood == Mood::Command || mood == Mood::Question && intent == Intent::Explore);
+        let explores = || intent == Intent::Explore && !OF_NO_PLACE.iter().any(|of| has(&pieces, of));
+        let asked = heads && (mood == Mood::Command || mood == Mood::Question && explores());
         let leave = intent.moves().then(|| Leave::by_words(asked && whole)).flatten();
         let about = match intent {
             Intent::Dont | Intent::Report => clauses.iter().find_map(|clause| clause.about(&self.grammar)),
@@ -252,13 +253,16 @@ impl Language {
             }
             _ => wanted,
         };
-        // To bend down is but the way to touch one's own leg.
-        let own = found.iter().copied().find(|(intent, ..)| *intent == Intent::TouchOwn);
-        let wanted = if matches!(wanted, Some((Intent::LeanForward, ..))) { own.or(wanted) } else { wanted };
+        // To take it is but the way to put it somewhere.
+        let end = wanted.and_then(|(way, at, _)| {
+            let (_, ends) = WAYS.iter().find(|(intent, _)| *intent == way)?;
+            found.iter().copied().find(|(intent, k, _)| *k > at && commands(*k) && ends.contains(intent))
+        });
+        let wanted = end.or(wanted);
         match wanted {
             Some(wanted)
                 if wanted.0 == Intent::Dont
-                    || !strange(pieces)
+                    || !strange(&clauses[wanted.1].pieces)
                         && !has(pieces, OTHERS)
                         && !IDIOMS.iter().any(|idiom| has(pieces, idiom)) =>
             {
@@ -273,9 +277,20 @@ impl Language {
 }
 
 /// What makes it doubtful whether something is wanted, or wanted now.
-const DOUBTFUL: &str = "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day";
+const DOUBTFUL: &[&str] = &[
+    "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day|=stop|=wait|=halt",
+    "next time",
+    "ready|prepare to",
+];
+/// What makes a question whether there is anything one of no thing on the table: "is there anything that you can do?"
+const OF_NO_PLACE: &[&str] = &["STICK", "SOME ?that you|i|we|he", "in|on|ON|under BODY"];
+/// What is told first but is a way only to what is told then.
+const WAYS: &[(Intent, &[Intent])] = &[
+    (Intent::LeanForward, &[Intent::TouchOwn]),
+    (Intent::Lift, &[Intent::PutFar, Intent::BringNear, Intent::PutAside]),
+];
 /// What is done to somebody else.
-const OTHERS: &str = "TOUCH|GRAB|TEND|LIFT ?ON me|us|him|her|my|his|their|our";
+const OTHERS: &str = "!feel TOUCH|GRAB|TEND|LIFT ?ON me|us|him|her|my|his|their|our";
 /// Words that name parts or acts and mean something else.
 const IDIOMS: &[&str] = &[
     "yourself together",
@@ -301,10 +316,12 @@ fn strange(pieces: &[Piece]) -> bool {
                 .is("the a an my your our some any this that of about to from with in on at for into no")
             || foreign(&pieces[k - 1])
             || pieces[k - 1].word.form != Form::Other;
+        // "A systematic scan": it tells how.
+        let tells_how = k > 0 && pieces[k - 1].is("a an the");
         let ends = pieces[k].word.mark.is_some()
             || pieces.get(k + 1).is_none_or(|next| {
                 next.sense == Sense::Word
-                    && (next.word.form != Form::Other
+                    && (next.word.form != Form::Other && !(tells_how && next.word.form.is_base())
                         || foreign(next)
                         || next.is("of to from with in on at for and or behind like"))
             });

@@ -25,9 +25,17 @@ const DOUBTFUL: &[&str] = &[
     "middle", "tip",
 ];
 /// Words after which a doubtful noun is a part.
-const OWNERS: &[&str] = &["your", "his", "own", "left", "right", "upper", "lower", "yourself"];
+const OWNERS: &[&str] = &["your", "his", "own", "upper", "lower", "yourself"];
+/// Those of them of which there are a left and a right one.
+const PAIRED: &[&str] = &["index", "sole", "temple", "calf"];
 /// The nouns of what acts.
 const HANDS: &str = "hand hands arm arms palm palms fist finger fingers fingertip fingertips";
+
+/// Whether a word names a part of a body and nothing else.
+pub(super) fn is_part(noun: &str) -> bool {
+    let names = |list: &str| list.split_whitespace().any(|name| name == noun);
+    names(NOUNS) && !names(HANDS) && !DOUBTFUL.contains(&noun)
+}
 
 /// A part of the body as it was named.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,7 +123,9 @@ impl BodyNames {
                 let Some(length) = begins(&rest[before..], name) else { continue };
                 let noun = &rest[before..before + length];
                 let doubtful = name.len() == 1 && DOUBTFUL.contains(&name[0].as_str());
-                let told = owned || (0..before).any(|k| OWNERS.contains(&rest[k]));
+                let sides = PAIRED.contains(&name[0].as_str());
+                let owner = |word: &&str| OWNERS.contains(word) || sides && ["left", "right"].contains(word);
+                let told = owned || rest[..before].iter().any(owner);
                 if doubtful && !told {
                     continue;
                 }

@@ -62,7 +62,10 @@ fn from(pieces: &[Piece], k: usize, tokens: &[&str]) -> Option<(Vec<usize>, usiz
                 taken.push(k);
                 (taken, end)
             });
-            with.or_else(|| optional.then(|| from(pieces, k, rest)).flatten())
+            // An article says nothing that a pattern would have to name.
+            let article =
+                || next.filter(|next| next.is("a an the")).and_then(|_| from(pieces, k + 1, tokens));
+            with.or_else(|| optional.then(|| from(pieces, k, rest)).flatten()).or_else(article)
         }
     }
 }

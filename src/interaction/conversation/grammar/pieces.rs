@@ -149,10 +149,17 @@ pub(super) fn pieces(words: &[Word], names: &BodyNames) -> Vec<Piece> {
     pieces
 }
 
-/// "Your chin: touch it." It is the part of the body that was named alone before, where no thing was.
+/// "Your chin: touch it." It is the part of the body that was named alone before, where no thing was; or the stick that nothing
+/// was told to be done with: "I have a stick for you, take it."
 fn referred(pieces: &mut [Piece]) {
     let mut named: Option<PartName> = None;
+    let mut stick = false;
     for k in 0..pieces.len() {
+        let of_stick = pieces[k].is_stick() && !pieces[0].word.form.is_base();
+        stick |= of_stick && !(k > 0 && pieces[k - 1].is("with by use using"));
+        if stick && pieces[k].sense == Sense::Thing && pieces[k].is("it") {
+            pieces[k].words = vec!["stick".to_string()];
+        }
         let told = pieces[..k]
             .iter()
             .any(|piece| piece.sense == Sense::Word && piece.word.form.is_base() && !piece.is("be do have"));
@@ -172,7 +179,25 @@ fn referred(pieces: &mut [Piece]) {
 fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense, usize) {
     let texts: Vec<&str> = words.iter().map(|word| word.text.as_str()).collect();
     let after = |lemmas: &str| before.is_some_and(|piece| piece.is(lemmas));
-    if let Some((part, length)) = names.at(&texts).filter(|_| !after("my our her their a an")) {
+    // "Hand it over."
+    if texts[0] == "hand"
+        && texts.get(1).is_some_and(|next| ["me", "us", "it", "over", "back", "that", "this"].contains(next))
+        && !after("your the a one left right other both with")
+    {
+        return (Sense::Word, 1);
+    }
+    // "Hands on head!"
+    if after("on")
+        && let ["head" | "face" | "heart" | "lap"] = texts.as_slice()
+    {
+        return (Sense::Part(PartName { words: vec![texts[0].to_string()] }), 1);
+    }
+    // "The left-hand side" is no hand.
+    let side = |end: usize| {
+        texts[end - 1] == "hand" && texts.get(end).is_some_and(|next| ["side", "end", "edge"].contains(next))
+    };
+    let named = names.at(&texts).filter(|(_, end)| !after("my our her their a an") && !side(*end));
+    if let Some((part, length)) = named {
         return (if part.is_hand() { Sense::Hand(part) } else { Sense::Part(part) }, length);
     }
     if let Some((hand, length)) = bare_hand(&texts, words, before) {
@@ -200,7 +225,7 @@ fn bare_hand<'a>(texts: &[&'a str], words: &[Word], before: Option<&Piece>) -> O
             .get(end + 1)
             .is_none_or(|next| "this please now instead and again to".split(' ').any(|end| end == *next));
     let by = before.is_some_and(|piece| piece.is("with use by but via try"));
-    let hand = by && ends && (*side != "other" || one > 0);
+    let hand = by && ends && (*side != "other" || owned > 0);
     hand.then(|| (vec![*side, "hand"], end + 1))
 }
 
@@ -208,7 +233,8 @@ fn bare_hand<'a>(texts: &[&'a str], words: &[Word], before: Option<&Piece>) -> O
 const THINGS: &str = "thing things object objects item items stuff obstacle obstacles ball box can bottle brick block cup mug glass bowl \
     plate jar tin book pen pencil spoon fork knife stick rod toy apple orange banana phone key keys cans bottles boxes blocks cups balls \
     bricks pot vase tray lamp tool gadget thingy thingie thingamajig whatsit package parcel carton tube cone die dice egg candle camera \
-    cube cylinder sphere one ones";
+    cube cylinder sphere gizmo doodad contraption article target device widget tube jug teapot kettle flask tumbler wallet figurine \
+    doll comb torch mouse notebook stapler sponge hammer lemon tomato potato container piece lump chunk thingummy doohickey one ones";
 const INDEFINITE: &str = "something anything someone somebody anybody anyone";
 const DETERMINERS: &str = "the this that these those a an some any another every all both each one more other which whichever two three its";
 const ADJECTIVES: &str = "left right near nearer nearest close closer closest far farther farthest further furthest big bigger biggest large \
@@ -253,13 +279,19 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
     while listed(k, ADJECTIVES) {
         k += 1;
     }
+    // "The same thing with your right hand."
+    if k > 0 && listed(k - 1, "same") && listed(k, "thing things") {
+        return None;
+    }
     // "Stick it there."
     if listed(0, "stick") && listed(1, "it that the this them your a") {
         return None;
     }
     // "The can" is a thing, "can you" is not.
     if listed(k, THINGS)
-        && (determined > 0 || k > 0 && listed(k, "one") || !listed(k, "can one die key glass tin"))
+        && (determined > 0
+            || k > 0 && listed(k, "one") && !listed(k - 1, "nice old new")
+            || !listed(k, "can one die key glass tin"))
         && !listed(0, "its")
     {
         let definite = (0..determined).any(|j| listed(j, "the this that these those both all"));
@@ -375,7 +407,8 @@ pub(super) fn hand_and_part(pieces: &[Piece], intent: Intent) -> (Option<HandNam
             let acts = |k: usize| {
                 let by = k >= 1 && pieces[k - 1].is("with by use using");
                 let verb = pieces.get(k + 1).is_some_and(|next| next.word.form.is_base());
-                hand(k) && (by || onto(k + 1) || verb && onto(k + 2))
+                let another = pieces.get(k + 2).is_some_and(Piece::is_body);
+                hand(k) && (by || onto(k + 1) || verb && (onto(k + 2) || another))
             };
             let by = body.iter().copied().find(|&k| acts(k)).filter(|_| body.len() > 1);
             let others = || body.iter().copied().filter(|&k| Some(k) != by);

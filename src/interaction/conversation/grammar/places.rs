@@ -38,10 +38,16 @@ pub(super) const MOVES: &str = "PUT|PUSH|PULL|take|get|keep|make|give|want|bring
 pub(super) fn sideways(pieces: &mut Vec<Piece>) {
     for k in (0..pieces.len()).rev() {
         let (before, rest) = pieces.split_at(k);
-        let moves = has(before, MOVES) && has(before, "THING|SOME");
-        let Some(taken) = SIDES.iter().find_map(|side| length(rest, side)).filter(|_| moves) else {
+        if rest[0].is("a an the") {
             continue;
-        };
+        }
+        let Some(taken) = SIDES.iter().find_map(|side| length(rest, side)) else { continue };
+        let moves = has(before, MOVES) || before.iter().any(|piece| piece.wanted.is_some());
+        // "To the right with it."
+        let with = length(&rest[taken..], "with THING|SOME").is_some();
+        if !(moves && has(before, "THING|SOME") || with && before.is_empty()) {
+            continue;
+        }
         let (side, behind) = rest.split_at(taken);
         let ends = side.iter().any(|piece| piece.word.mark.is_some())
             || behind.is_empty()
@@ -53,7 +59,8 @@ pub(super) fn sideways(pieces: &mut Vec<Piece>) {
         let bare = has(side, "^ left|right")
             && (!ends || has(&before[before.len().saturating_sub(1)..], "your|the|my"));
         let elsewhere = !ends && has(behind, "FAR|NEAR|BACK");
-        if bare || elsewhere || has(side, "on|onto") && !it {
+        let placed = it || ends && has(before, "put|place|set|lay|position|stand THING $");
+        if bare || elsewhere || has(side, "on|onto") && !placed {
             continue;
         }
         let of_another = has(behind, "^ of") && !has(behind, "^ of ?the|your TABLE|you|yourself");

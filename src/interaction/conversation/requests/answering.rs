@@ -9,8 +9,9 @@ pub(super) const YES: RequestKind = RequestKind {
             you ?have =got|understand THING|me|right ; ^ YES $ ; ^ YES ; ^ YES thing ; ^ go ahead|on ; ^ go for THING ; \
             ^ DO it|so|that|THING $ ; ^ DO $ ; ^ of course ; ^ that|THING be right|correct|true|fine|it ; \
             ^ by all means ; ^ you may|can|should $ ; ^ why not $ ; ^ sounds good|fine|right ; \
-            ^ that|THING be ?the one|idea|case $ ; ^ that|THING be THING $ ; ^ you be|have ?get right|it ; \
-            ^ YES ?go|DO ?ahead|THING",
+            ^ that|THING be ?the one|idea|case $ ; ^ you be|have ?get right|it ; \
+            ^ YES ?go|DO ?ahead|THING ; \
+            you ?have get|=got THING ; ^ i|you ?HELPING do $ ; ^ you|uh huh $ ; ^ i|you do",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")))
@@ -22,7 +23,8 @@ pub(super) const NO: RequestKind = RequestKind {
             ^ NO way|thanks|thank ; ^ wrong|incorrect|false ; \
             ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; \
             ^ that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ of course not ; \
-            ^ rather|better not ; ^ never|not $ ; ^ you be wrong|mistaken ; ^ i would rather not",
+            ^ rather|better not ; ^ never|not $ ; ^ you be wrong|mistaken ; ^ i would rather not ; \
+            ^ let us not ; ^ no thank|THANKS ?you",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Minds(|_, _| Answer::tells("All right, I do nothing")))
@@ -39,7 +41,8 @@ pub(super) const WHICH: RequestKind = RequestKind {
             ^ ?the first|second|third|last THING ; THING i mean|want|choose|meant $ ; \
             ^ i mean|want|choose|pick|prefer|meant THING ; ^ i would say THING ; ^ either|whichever|any $ ; \
             ^ either|whichever|any of THING ; ^ number NUMBER ; ^ number one|two|three ; \
-            ^ THING ON ?the ?your left|right",
+            ^ THING ON ?the ?your left|right ; \
+            THING ?be ?the THING ; ^ not THING THING ; say ?the THING|first|second|last ; both .. whichever|either ; whichever|either $",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -12,7 +12,8 @@ pub(super) const HOW_MANY: RequestKind = RequestKind {
             how numerous ; how SIZED be number ; give .. count|tally|total|number ; ^ count|tally ; more than one ; \
             be THING just|only SOME|one ; NUMBER or NUMBER|MORE ; SOME|THING or NUMBER|MORE ; \
             how many THING|SOME|UNIT & !UNIT ; keep count|tally ; number|total $ ; how much SOME ; \
-            what MORE|else & number",
+            what MORE|else & number ; \
+            COUNT what .. FIND|TOUCH|FEEL|PAST ; NUMBER or SOME|THING ; TELL ?me ?the count|number|total",
         past: "how many ; number of THING|SOME ; what number ; NUMBER or ; or NUMBER|MORE & THING|SOME ; number|total ; \
             MORE than one|two ; just|only one|THING ; COUNT",
         ..Words::NONE

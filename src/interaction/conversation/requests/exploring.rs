@@ -30,8 +30,9 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
             have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for ; get to KNOW your|the SPACE|TABLE ; \
             keep|go ?on =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; FEEL|SEARCH with HAND ; \
             what be on|in TABLE|SPACE|front ; SEARCH|LOOK|FEEL in front|before|around|AROUND ; REACH for SOME ; \
-            FIND another|more|out ; LOOK for ; locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; \
-            FEEL for SOME|THING|more",
+            FIND another|more ; LOOK for ; locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; \
+            FEEL for SOME|THING|more ; \
+            make|do|perform|have|take ?a|an ?ANY SEARCH|sweep|scan|exploration|survey ?of ; give TABLE|SPACE ; see|FIND what you come|run|bump across|into|ON ; be|see|FIND what .. TABLE ; what .. in front ; GO =fishing|=looking|=searching|=exploring",
         asked: "be TABLE empty|bare|clear ; be there one|any ; what you HELPING FIND|see ; \
             what stand|lie|be|=standing|=lying ON|in TABLE|front ; be there|THING ?in|on|also|still|not|by|you SOME ; \
             be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
@@ -45,7 +46,8 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
             what ?THING|SOME ?HELPING be ?out there|here|ON ; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; \
             be THING|SOME there ; find SOME ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
             have|do THING|TABLE|SPACE have|hold SOME ON ; \
-            be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; what THING|SOME be ?there ON|in|around",
+            be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; what THING|SOME be ?there ON|in|around ; \
+            FEEL SOME out there ; be SOME ?there ?in|on|at|by & FEEL ; what have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; be their SOME",
         said: "there ought|must|should|may|might|could ?to be SOME|THING|MORE ; \
             i think|believe|guess|suppose|bet there be SOME|MORE|THING",
         ..Words::NONE

@@ -8,12 +8,15 @@ use crate::named::in_words;
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind {
     words: Words {
+        past: "have BODY|your ?body changed|=changed",
         told: "FEEL|TOUCH|pat ?your yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
             FEEL|TOUCH|pat yourself|BODY ALL|over|everywhere|anew|AROUND ; \
             FEEL|TOUCH|pat ALL over ?your yourself|body|BODY ; \
             EXAMINE|SEARCH|learn|relearn|KNOW|study ?your yourself|body ; \
             get|become used|accustomed ?to ?your body|limbs ; CALIBRATE ; CALIBRATE ?your|yourself ?body|yourself ; \
-            FIND|work out ?how|what|whether ?your body ; EXAMINE your body ; FEEL your body",
+            FIND|work out ?how|what|whether ?your body ; EXAMINE your body ; FEEL your body ; \
+            EXAMINE|FIND|see|test|check .. whether|if|how .. body|limbs|BODY .. changed|=changed|=same|as|still ; body|limbs .. changed ; EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. body|yourself|limbs & !stick ; give yourself|body .. once|check|feel|exam|examination ; update|refresh .. body|yourself ; GO|RUN ?HAND over|along ?your yourself|body|limbs ; FEEL|TOUCH ALL ?over ?of yourself|body ; self ; pat yourself down ; \
+            EXAMINE|check|test ?your PART",
         ..Words::NONE
     },
     ..RequestKind::new(

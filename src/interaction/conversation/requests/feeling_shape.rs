@@ -12,9 +12,9 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
             FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED ; \
             RUN ?with ?your HAND|PART ?slowly ?ALL ?the ?way AROUND|over|along THING|the|its|EDGE ; \
             HAND|PART ?ALL ?the ?way over|around|round|along|across THING ; EXAMINE|SEARCH|palpate THING ; \
-            FEEL ?ALL ?the ?way AROUND|over|about THING ; FEEL|TOUCH THING ALL|over|AROUND|up|from|with|closely ; \
-            FEEL|TELL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is SHAPED|like|box ; \
-            FEEL|TELL|FIND|EXAMINE .. whether|if .. SHAPED|SIZED ; \
+            FEEL ?ALL ?the ?way AROUND|over|about THING ; FEEL|TOUCH THING ALL|over|AROUND|up|from|closely ; \
+            FEEL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is SHAPED|like|box ; \
+            FEEL|FIND|EXAMINE .. whether|if .. SHAPED|SIZED ; \
             get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL ?for|of|over ; TOUCH THING ALL over|AROUND ; \
             GO|RUN ?ALL over|AROUND|along ?ALL ?its|the EDGE|THING ; get|come to KNOW|EXAMINE|learn THING|FORM ; \
             wrap|put|close HAND AROUND THING ; FIND|work|figure|make out what KIND|FORM ; \
@@ -24,7 +24,8 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
             what ?THING feel like & FEEL ; FEEL THING ; EXAMINE|SEARCH THING ?with HAND ; \
             EXAMINE|SEARCH THING .. with HAND ; give THING .. FEEL ; give THING .. over with HAND ; FEEL what KIND ; \
             FIND out what THING ; RUN HAND|PART|finger EDGE|along|over & EDGE ; EXAMINE EDGE|FORM|SIZE ; \
-            describe with HAND",
+            describe with HAND ; \
+            TOUCH THING ?ALL .. so|to .. FORM|SIZE|SIZED ; EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each ?face|side|part|bit|face|sides OF THING ; RUN ?HAND over ?every|ALL side|face|part of THING ; MORE contact|points ON THING ; TOUCH THING in|at|from|on .. places|sides|points|spots|times & MORE|NUMBER|ALL|many|different|several",
         ..Words::NONE
     },
     needs_body: true,

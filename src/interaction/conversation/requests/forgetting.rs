@@ -9,7 +9,8 @@ pub(super) const FORGET: RequestKind = RequestKind {
             ^ wipe|clear THING|everything|ALL & !HAND|TABLE ; \
             CLEAR what|whatever|ALL ?that ?THING ?you KNOW|FEEL|felt|FIND ; FRESH|fresh START|beginning ; \
             start ALL|AGAIN|afresh|over ; from scratch ; ^ reset $ ; remember nothing ; clean slate ; LET THING slip ; \
-            as if|though .. never ; put THING behind you ; lose THING from",
+            as if|though .. never ; put THING behind you ; lose THING from ; \
+            MEMORY .. CLEAR",
         denied: "not|longer remember ; need not|longer|to remember|KNOW ; forget about =remembering",
         ..Words::NONE
     },

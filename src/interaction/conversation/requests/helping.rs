@@ -26,7 +26,9 @@ pub(super) const HELP: RequestKind = RequestKind {
             be there ?a|any COMMANDS|help ; TELL ?me what you HELPING|KNOW|do|understand ; \
             what you HELPING|understand|KNOW $ ; what ?KIND ?of ?THING do you understand|KNOW|obey|follow ; \
             how .. ?to USE you ; what HELPING you help ?me ?with ; what KIND|sort .. requests|COMMANDS ; \
-            what i HELPING|do ; what KIND of THING|SOME HELPING you ; how HELPING i",
+            what i HELPING|do ; what KIND of THING|SOME HELPING you ; how HELPING i ; \
+            be there SOME ?that you HELPING ; SOME ?that you HELPING do ; \
+            how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do",
         said: "^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does THING|it work ; \
             ^ i be stuck|lost|confused ; ^ i do not KNOW what|how ; what should i",
         ..Words::NONE

@@ -6,11 +6,12 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind {
     words: Words {
         told: "^ KEEP|LOOK ?BODY|yourself|THING ?all ?as STILL ; ^ KEEP ?right where|there|as|like ?you|THING ; \
             STOP|KEEP ?right where|there ; ^ freeze ; ^ stay|still $ ; \
-            ^ stay|remain|keep|hold in|your|that|this ?the ?same|present|current POSE ; keep|hold ?your ground|horses ; \
+            ^ stay|remain|keep|hold ?in your|that|this|the|same ?same|present|current POSE ; keep|hold ?your ground ; \
             ^ statue $ ; play|be|like|as ?a dead|statue|rock|stone ; rest motionless|still ; from =moving ; \
             BODY stay|remain|keep ?right STILL|where|there ; KEEP BODY|yourself ?right where|as they|THING|you be ; \
             stay|remain BODY ; ^ hold ?THING ?right there|still ; ^ be STILL ; hold that|THING|your POSE ; \
-            ^ =hold =it $ ; stand by",
+            ^ =hold =it $ ; stand by ; \
+            no|not ?any ?MORE movement|movements|motion",
         asked: "HELPING you KEEP ?right STILL|there",
         denied: "not want you to STIR $ ; not a|one|another move|muscle|inch|step|MORE ; \
             not|never ?you ?even ?ever ?dare ?to STIR !THING ; without =moving ; \

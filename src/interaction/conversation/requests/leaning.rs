@@ -8,7 +8,7 @@ use crate::interaction::tasks::Trouble;
 pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
     words: Words {
         told: "a BIT ?of ?a lean ; yourself|you ?a ?BIT MORE FORWARD ; \
-            LEAN ?your ?THING|PART|yourself|HAND|over|body ?BIT ?way|at|from ?the ?waist|hips ?far ?MORE FORWARD ; \
+            LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?the ?waist|hips ?far ?MORE FORWARD ; \
             AGAIN & LEAN FORWARD ; TRY|REPEAT & LEAN FORWARD ; \
             LEAN ?your ?PART|yourself|body ?a ?BIT ?FAR ?MORE over|down|in|into|ON|out|across|closer|ahead|at|MORE|further ; \
             ^ LEAN $ ; ^ LEAN ?a ?BIT ?MORE ; ^ ?BIT ?MORE|FAR FORWARD $ ; \
@@ -17,7 +17,8 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
             come|get|go closer|nearer to|over ?the TABLE & !THING ; \
             move|bring|get BODY|yourself NEAR|over ON|the ?the TABLE ; \
             get|move|bring ?your yourself|PART|body ?BIT ?FAR FORWARD|over|further ; LEAN PART ; a|the lean ; \
-            have|take a lean|bow ; bow $ ; LEAN to ; LEAN so ; lean as ; LEAN with",
+            have|take a lean|bow ; bow $ ; LEAN to ; LEAN so ; lean as ; LEAN with ; \
+            PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD ; GO FORWARD & !THING|ahead ; LEAN ; a ?BIT ?of ?FORWARD lean ; BODY ?a ?BIT ?MORE FORWARD|over|ahead ; lower PART ON|over ; stretch FORWARD ; MORE FORWARD ; len FORWARD ; PULL|PUSH yourself FORWARD",
         ..Words::NONE
     },
     needs_body: true,
@@ -35,7 +36,8 @@ pub(super) const LEAN_BACK: RequestKind = RequestKind {
             sit|stand ?BACK UP|BACK|properly ; raise|lift|straighten yourself|BODY & !HAND ; stop|undo =leaning|lean ; \
             back up|upright|straight ; get|come|be|keep|hold ?yourself|BODY UPRIGHT ; un bend ; \
             take|get|pull|move|bring your|yourself|PART BACK & !HAND|THING ; UP straight ; no LEAN ; \
-            UPRIGHT ?again|BACK ; GO ?BACK UPRIGHT ; up ?BACK UPRIGHT ; STRAIGHTEN your ; BACK ON ?an UPRIGHT POSE",
+            UPRIGHT ?again|BACK ; GO ?BACK UPRIGHT ; up ?BACK UPRIGHT ; STRAIGHTEN your ; BACK ON ?an UPRIGHT POSE ; \
+            PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND ; GO|come|get|be|BACK ?BACK ?to|into|at|in ?a ?sitting|the UPRIGHT|vertical ?POSE ; sit ?up|BACK ?UP UPRIGHT ; LEAN right|MORE|all BACK ; come|get|BACK ?BACK UP ; undo|end ?the|your lean ; STRAIGHTEN ; bring|move|PULL PART BACK UP ; vertical ; away from TABLE & LEAN ; no MORE =leaning|=bending",
         denied: "STOP|quit|cease =leaning|=bending ; not|stop slouch|slump|=slouching ; not slouch & STRAIGHTEN ; \
             not LEAN any|longer|anymore",
         ..Words::NONE

@@ -19,7 +19,9 @@ pub(super) const LIFT: RequestKind = RequestKind {
             PUT|PUSH|take|get|GRAB THING ?UP off|from ?the|that TABLE ; into|in|to|the|mid air ; UP THING GO ; \
             ^ LIFT|GRAB $ ; ^ GRAB THING|SOME ; hold THING|SOME ?UP ; take|get|hold THING|SOME in|into|between HAND ; \
             with HAND LIFT|GRAB THING|SOME ; give THING ?a lift ; THING up ; pick THING ; get|have|take hold|grip ; \
-            GRAB & LIFT ; LIFT HAND",
+            GRAB & LIFT ; LIFT HAND ; \
+            carry|hold THING ; get|have|take|keep THING in|between your|BODY ; take|get|bring|have .. THING up|UP|aloft ; HAND round|around THING and LIFT ; THING in the air ; THING off|from ?the TABLE ; LIFT ?up AGAIN ; \
+            hold|GRAB ON THING",
         ..Words::NONE
     },
     needs_body: true,

@@ -18,7 +18,9 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
             distance $ ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; the range to|of THING ; \
             how long|SIZED|FAR a|be way ; how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; \
             how long be the|your way|REACH ; in ?terms ?of UNIT ; GAP|space between ; how SIZED be the GAP ; \
-            FAR away from ; how FAR off|away|out",
+            FAR away from ; how FAR off|away|out ; \
+            how FAR .. HELPING|have|must you .. REACH|stretch|GO|move|lean ; what .. distance|GAP ; distance ; by how much|far .. FAR ; how much .. away|off|between ; MORE|less than .. UNIT ; how FAR|close|NEAR ; what .. RANGE ; \
+            ASKING HELPING you TELL|guess|estimate|think .. GAP",
         past: "distance ; how FAR|NEAR",
         ..Words::NONE
     },
@@ -36,14 +38,15 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
             too|very FAR|NEAR ; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
             have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
             able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching ; \
-            ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; \
+            ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe !feel REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; \
             able ?to REACH|TOUCH|GRAB|get ; able ; REACH THING if|without|with|from ; HELPING you ?ever REACH THING ; \
             which THING|one|of be ?the NEAR|FAR ; can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; \
             BODY long|enough ; BODY be ?long enough|long ; REACH THING|SOME|that|there ; get at|to THING ; \
             get THING without|with|from|if ; HELPING THING be =reached|=touched|=grasped ; \
             be THING =reached|=touched|=grasped & !already ; near enough ; close enough ; far enough ; \
             how easily|well|easy & REACH ; FAR $ ; close|near at hand ; to hand ; get that FAR ; get there ; \
-            touch THING from|without ; which ?THING be NEAR",
+            touch THING from|without ; which ?THING be NEAR ; \
+            HELPING .. need|have ?to LEAN ; possible for you to REACH|TOUCH|get ; inside|in|within|out ?of ?your RANGE ; i|you PUSH|PULL THING NEAR ; stretch|REACH that FAR",
         ..Words::NONE
     },
     needs_body: true,
@@ -55,6 +58,8 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
 
 pub(super) const WHERE_OWN: RequestKind = RequestKind {
     words: Words {
+        past: "where .. BODY ?end UP|up ; \
+            where .. you .. BODY",
         told: "find|locate BODY $ ; show ?me BODY",
         asked: "where|whereabouts BODY ; where|whereabouts .. BODY ; BODY .. where ; BODY .. where be|have ?THING ; \
             WHEREABOUTS ?of|are|be BODY ; WHEREABOUTS .. BODY ; be BODY now|there|here|UP|DOWN $ ; \
@@ -62,7 +67,8 @@ pub(super) const WHERE_OWN: RequestKind = RequestKind {
             how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. BODY ; \
             which|what WHEREABOUTS|side|way|height|level .. BODY ; TELL|know|find BODY $ ; what be BODY do ; \
             BODY be where|located|now ; how be BODY $ ; BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; \
-            BODY bent ; how BODY =placed|=held|=positioned",
+            BODY bent ; how BODY =placed|=held|=positioned ; \
+            where .. BODY ?end|GO ?UP ; where|were be BODY",
         ..Words::NONE
     },
     needs_body: true,
@@ -87,7 +93,9 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind {
             which|what HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press ; \
             which|what place|spot|part ?of ?the BODY|body ; where ON you|your|BODY HELPING|be ; LOCATE ; \
             locate THING & words ; where be THING ?now ; what part|spot ; BODY or|the BODY & FEEL ; be THING SIDE ; \
-            left|right side ; be THING ahead|behind|left|right ; on|to your left|right",
+            left|right side ; be THING ahead|behind|left|right ; on|to your left|right ; \
+            where .. ON ?your|the BODY|skin|body|you ; where on ?your|the BODY|skin|body|you .. FEEL|contact ; with|by what|which .. FEEL|TOUCH ; what|which HAND|part|finger|limb ; point|indicate where ; \
+            with|by what|which HELPING|do you FEEL|TOUCH ?THING",
         past: "left|right or ; where & you|THING|SOME|BODY|HAND ; where",
         ..Words::NONE
     },
@@ -112,7 +120,10 @@ pub(super) const WHAT_FELT: RequestKind = RequestKind {
             do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING ; hold SOME|THING ; \
             what ?do your skin|BODY|HAND|receptors TELL|FEEL|notice|TOUCH ; TELL .. what you FEEL ; \
             you FEEL SOME|THING ?with HAND ; FEEL SOME with|on|against ; be HAND TOUCH|on|against|=touching SOME|THING ; \
-            in CONTACT with ; do THING touch you|BODY",
+            in CONTACT with ; do THING touch you|BODY ; \
+            have|do|be you|BODY ?have|get ?a hold|grip of ; what .. BODY|HAND .. FEEL|TOUCH|notice|sense ; TELL .. what .. FEEL|sense ; receptors|receptor ; be ?any ?of ?your receptors|skin ANY ; can|could you FEEL THING|that|SOME ?right $ ; \
+            TELL ?me what HAND|BODY be|do FEEL|TOUCH ; \
+            what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; FEEL me",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -5,7 +5,8 @@ use super::{Act, Answer, RequestKind, Words};
 pub(super) const GREET: RequestKind = RequestKind {
     words: Words {
         asked: "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
-            you|are|be ?you ok|okay|alright|well $",
+            you|are|be ?you ok|okay|alright|well $ ; \
+            what be UP $ ; HELLO & how be THING",
         said: "GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; \
             ^ GOOD|good morning|afternoon|evening|day ; \
             ^ ?THING ?be GOOD|nice|pleased|glad|pleasure to|meeting|=meeting|seeing ?MEET|meet|see ?you ; \
@@ -21,13 +22,13 @@ pub(super) const GREET: RequestKind = RequestKind {
 
 pub(super) const THANKS: RequestKind = RequestKind {
     words: Words {
-        told: "THANKS ?you|THING|many|much ?for|very|ALL|so|a ?THING|your ?help|much|$",
         past: "THANKS ; you be ?a ?GOOD help ; not thank you ; you =have =been ?a ?GOOD help|GOOD ; you =did GOOD ; \
             ^ that be ?a|so GOOD ?of ?you",
-        said: "you be ?a GOOD help|=doing ; you be =doing well|GOOD ; owe you ; impressed ; not thank you ; THANKS ; \
-            ^ well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
+        said: "THANKS ?you|THING|many|much ?for|very|ALL|so|a ?THING|your ?help|much|$ ; you be ?a GOOD help|=doing ; you be =doing well|GOOD ; owe you ; impressed ; not thank you ; THANKS ; \
+            well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
             you have be|being ?a|of ?GOOD help|helpful|useful|GOOD ; GOOD job|work|effort ; how kind ; \
-            THING be ?a|so ?very GOOD ; you be GOOD ; you be a|the GOOD",
+            THING be ?a|so ?very GOOD ; you be GOOD ; you be a|the GOOD ; \
+            ^ nice|good|lovely|great one ; way to go ; i be ?so|very|really GOOD|THANKS|grateful ; very|so GOOD",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("You are welcome")))
@@ -43,7 +44,8 @@ pub(super) const WHO: RequestKind = RequestKind {
             be you ?a|an|the|called|named BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; \
             how be you =called ; call|named|name you ; you be BEING|right|real ; who be =speaking|=talking|there|this ; \
             people call you ; TELL .. who you be ; what you be|call|called ; about yourself ; \
-            what HELPING|be i call you ; be this|that BEING",
+            what HELPING|be i call you ; be this|that BEING ; \
+            you be who",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -20,7 +20,9 @@ pub(super) const QUIT: RequestKind = RequestKind {
             have a|an ?GOOD day|evening|night|one ; ^ END $ ; ^ finish ?here|now|up $ ; \
             time to go|stop|leave|finish|quit|end ; let us STOP|END|call ; that be ALL|THING ?for today ; \
             keep in touch ; ALL for today|now ; THING ALL for|today ; we be =done|=finished ; i be =done|off ; \
-            END here ; wrap THING up",
+            END here ; wrap THING up ; \
+            end of ?the|our|this TALK ; ^ end TALK ; \
+            ^ that|THING be it ?for ?now ; SPEAK ?to ?you again ; catch you later",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -24,7 +24,9 @@ pub(super) const REPORT: RequestKind = RequestKind {
             THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; \
             ^ ?so|and =did|=has|=had|=was|=have THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; which HAND ; \
             what|which ?THING .. you ; THING =moved|=put|=done ; anything ; how THING|that go ; be THING PAST ; \
-            ^ HELPING|be you|THING|SOME",
+            ^ HELPING|be you|THING|SOME ; \
+            how .. THING .. turn|go|went|work ; be there ?any problem|trouble|difficulty ; how .. that ; problem|trouble ; \
+            everything GO|work",
         ..Words::NONE
     },
     ..RequestKind::new(["report", "reported"], Act::Tells(|creature, request| creature.report(request)))

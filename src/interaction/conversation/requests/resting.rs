@@ -15,11 +15,12 @@ pub(super) const REST: RequestKind = RequestKind {
             HAND ?BACK ?DOWN ?please $ & DOWN|BACK ; HAND ?BACK ?DOWN to|at|by|in ?your|the side|sides|lap|START|rest ; \
             ^ ?time ?for ?a rest $ ; ^ rest ; settle down|BACK ; reset yourself|your|BODY ; \
             HAND ?go BACK ?to where|how ; \
-            BACK|GO|return|PUT .. where|how ?you|THING|they ?PAST start|begin|=was|=were|came|be|=started|=began|PAST ; \
+            BACK|GO|return|PUT .. where|how ?you|THING|they ?PAST start|begin|=was|=were|came|=started|=began|PAST ; \
             RELAX ; a|short|good|BIT rest|break|breather ; LET HAND sink|drop|fall|hang|rest ; take THING easy ; \
             ?BACK to|into your|the ?START POSE ; DROP|lower HAND ; ^ return $ ; as you were ; take five $ ; \
             GO limp|slack ; GO ?BACK to your|the START ?POSE ; GO BACK to|rest|START ; rest $ ; chill ; \
-            stand down|easy|easily ; hang loose ; a rest",
+            stand down|easy|easily ; hang loose ; a rest ; \
+            PUT|park|fold|bring|move|return|take|draw|PULL ?both BODY in|back|away|DOWN ; park BODY ; GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your|the|a START ?POSE ; assume|adopt|take|resume ?your|the|a START POSE ; GO idle|comfortable ; START ?POSE ?please $ ; BACK ?to|at|in ?your|the START ?POSE ; lower BODY ; at ease ; BACK to ?your|the POSE ; GO BACK to POSE",
         ..Words::NONE
     },
     ..RequestKind::new(["go back to rest", "went back to rest"], Act::Moves(|creature, _, _| creature.rest()))

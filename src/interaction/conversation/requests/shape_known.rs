@@ -14,7 +14,8 @@ pub(super) const HOW_BIG: RequestKind = RequestKind {
             TELL|give ?me ?about ?the|its SIZE ; SIZE ; be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED ; \
             bigger|smaller|larger|taller|wider|longer|higher ?or|than ; bigger|smaller|larger|taller|wider|longer than ; \
             what do THING measure ; fit in|into|inside|between ?one|your HAND|BODY ; SIZED or SIZED ; what SIZE ; \
-            SIZE of THING ; idea how SIZED ; THING ?be SIZED ; EXAMINE|measure THING ; be THING SOME & SIZED",
+            SIZE of THING ; idea how SIZED ; THING ?be SIZED ; measure THING ; be THING SOME & SIZED ; \
+            how SIZED ?be|do ; how much space|room .. take|have ; UNIT SIZED ; how many UNIT SIZED ; how SIZED be THING from ; what .. SIZE ; how SIZED .. be ; small|big|large enough",
         past: "how SIZED ; SIZE",
         ..Words::NONE
     },
@@ -36,7 +37,10 @@ pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
             what KIND of THING|SOME ?be|have|do|$ ; SHAPED or|and|nor SHAPED ; any SHAPED|EDGE ON|$ ; \
             THING have SHAPED|EDGE ; be there any SHAPED|EDGE ; MORE like a|an|SOME ; SOME or SOME ; call THING SHAPED ; \
             what be THING $ ; what FORM ; have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; \
-            TELL|know what THING be $ ; be THING SOME ; what could|might THING be ; SHAPED or",
+            TELL|know what THING be $ ; be THING SOME ; what could|might THING be ; SHAPED or ; \
+            recognise|recognize|identify THING ; what THING|that be ; do ?you ?KNOW what THING be ; what be THING|this|that ; be|do ?its|the side|sides|top|edges|surface SHAPED ; what ?HELPING you TELL|say|KNOW ?me about|of THING|its ; how do THING FEEL ; how HELPING you describe|call THING|its ; THING SHAPED ; how be THING SHAPED ; any SHAPED ; what ?KIND ?of SOME|THING|BEING be THING|this|that ; \
+            THING be .. SHAPED ; \
+            description ; how be THING FORM",
         past: "FORM ; SHAPED",
         ..Words::NONE
     },

@@ -7,12 +7,16 @@ pub(super) const STOP: RequestKind = RequestKind {
         told: "^ STOP $ ; THING|that|ok will DO ; that be enough ; \
             ^ STOP|quit ?DOING ?what|whatever|THING|everything|ALL $ ; ^ STOP what|whatever|THING|ALL|everything ; \
             ^ STOP ?right there|$ ; ^ END what|whatever ; ^ wait|hold ?on|up|it ?a|there ?moment|minute|second|there $ ; \
-            ^ hold on|up ; knock|pack|cut THING off|out ; ^ STOP",
+            ^ hold on|up ; knock|pack|cut THING off|out ; ^ STOP ; \
+            interrupt ; ^ hold your horses ; leave off ; ^ ANY STOP $",
         denied: "^ STOP|quit what|whatever|you ; ^ STOP|cease ?THING $ ; no more $ ; \
-            no|not ?go ?carry ?any continue|on|further ; cut THING out ; STOP ?THING ?right there $",
+            no|not ?go ?carry ?any continue|on|further ; cut THING out ; STOP ?THING ?right there $ ; \
+            ^ leave off",
         said: "i =said stop ; enough ; ^ THING|that ?be|will ?DO quite|sufficient|do|enough ; \
             ^ STOP|whoa|woah|wait|pause|abort|cancel|halt ; never mind ; ^ no MORE ?of ?THING $ ; \
-            ^ no|not ?go ?carry ?any continue|on|further",
+            ^ no|not ?go ?carry ?any continue|on|further ; \
+            ^ ?ANY STOP $ ; leave off $ ; ^ hang on ; \
+            THING|that be enough|plenty|sufficient",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -9,7 +9,8 @@ use crate::interaction::tasks::tried;
 pub(super) const TAKE_STICK: RequestKind = RequestKind {
     words: Words {
         told: "GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; take|get|catch|keep ?GOOD hold of STICK ; ^ here be STICK ; \
-            LIFT|GRAB STICK ?UP ; reach for STICK",
+            LIFT|GRAB STICK ?UP ; reach for STICK ; \
+            GRAB|have|get|hold|accept|USE|want|take|need STICK ; take|hold .. STICK ; i .. GIVE|hand|hold .. you .. STICK ; GIVE you STICK ; STICK for you ; for you STICK ; STICK & take|hold|GRAB|get ; here STICK",
         ..Words::NONE
     },
     needs_body: true,
@@ -21,9 +22,11 @@ pub(super) const TAKE_STICK: RequestKind = RequestKind {
 
 pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
     words: Words {
+        asked: "i|we ?have|get .. STICK BACK",
         told: "GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; \
             PUT DOWN|away|BACK|SIDEWAYS STICK ; DROP|return STICK ; LET STICK go|fall|drop ; \
-            LET|leave ?go of|off STICK ; GIVE STICK",
+            LET|leave ?go of|off STICK ; GIVE STICK ; \
+            STICK BACK|down|away ; want|like|have|need|get STICK BACK ; get rid of STICK ; leave|lose|DROP|LET|return STICK ; GIVE .. STICK ; STICK & GIVE|return|DROP ; PUT|lay .. STICK .. DOWN|away|BACK|SIDEWAYS",
         ..Words::NONE
     },
     ..RequestKind::new(
@@ -35,7 +38,9 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
 pub(super) const STICK_KNOWN: RequestKind = RequestKind {
     words: Words {
         asked: "how ?long|SIZED|FAR be STICK ; what|where|whereabouts be STICK ; \
-            do|be you ?still have|hold|know|feel|get STICK ; LENGTH|tip|end|point|SIZE of|OF STICK",
+            do|be you ?still have|hold|know|feel|get STICK ; LENGTH|tip|end|point|SIZE of|OF STICK ; \
+            STICK ; be|do .. STICK ; ASKING .. STICK ; ASKING .. hold|have|reach|end|know .. STICK ; TELL .. STICK ; STICK .. LENGTH|end|reach|hold|have ; hold|have STICK ; HAND .. STICK ; STICK in HAND ; how FAR .. STICK ; \
+            ASKING HELPING you TELL .. STICK",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -19,7 +19,8 @@ pub(super) const TOUCH: RequestKind = RequestKind {
             REACH ?out ?and|to|for TOUCH ; switch|change|swap ?over ?to ?HAND ; ^ THING TOUCH THING ; \
             ^ TOUCH with HAND ; TOUCH with STICK|HAND ; TOUCH & THING ; TOUCH THING with HAND|STICK ; HAND TOUCH THING ; \
             with HAND TOUCH THING ; next up TOUCH ; THING with HAND ; touch with|between HAND ; \
-            finger|fingertips on THING ; ^ THING & other|instead ; HAND TOUCH",
+            finger|fingertips on THING ; ^ THING & other|instead ; HAND TOUCH ; \
+            TOUCH .. THING|SOME .. with|by|using HAND ; TOUCH THING ?again ; see ?a TOUCH of THING ; PUT|lay|get .. HAND|finger|fingertip .. ON THING ; make|establish|get|see ?some ?physical contact|CONTACT ?between|with .. THING ; contact|CONTACT .. THING ; turn ?at TOUCH THING ; HAND .. TOUCH THING ; give THING .. TOUCH|dab|poke|tap|touch ; HAND ?GO ON THING ; finger ON THING ; TOUCH ?of THING ; rest HAND ON THING ; TOUCH ON THING ; HAND .. ON|meet THING ; TOUCH THING ?with ?the other|left|right ; HAND ON THING",
         ..Words::NONE
     },
     needs_body: true,

@@ -15,7 +15,7 @@ const NEAR: f64 = 0.01;
 pub(super) const TOUCH_OWN: RequestKind = RequestKind {
     words: Words {
         told: "TOUCH|GRAB|TEND|REACH ?for|with|to|at|on|onto|against|up|down|behind|out|over|hold|out ?HAND ?to|for|on|onto|towards|at|and ?your|hold ?of PART ; \
-            FIND PART with|HAND ; TOUCH|TEND|REACH|FEEL BODY ; TOUCH|TEND|REACH|GRAB BODY with HAND ; \
+            FIND PART with|HAND ; TOUCH|TEND|FEEL BODY ; REACH PART ; TOUCH|TEND|GRAB BODY with HAND ; \
             PUT|get|keep|have|bring|press|point|raise|lift|STRETCH|REACH|hold|let|LET|take|PULL|PUSH|guide ?a|one|the ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; \
             PUT ?a ?finger|hand|HAND ON BODY ; PUT HAND|finger ON ?the end|tip|top ?of BODY ; \
             get|take|catch|have|lay|keep|GRAB hold of BODY ; ^ HAND ?and PART $ ; ^ PART with|by ?your HAND $ ; \
@@ -27,7 +27,9 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind {
             give BODY ?a ?GOOD ?BIT TOUCH|TEND|rub ; give BODY a ; find BODY with HAND ; GRAB|hold onto|ON BODY ; \
             PUT|PULL|get|move BODY .. ON|near BODY ; HAND .. GO|get to BODY ; ^ HAND ON PART ; HAND ON BODY ; \
             go|head for|to BODY ; PUT BODY on|ON BODY ; GRAB BODY ; PART & HAND & TOUCH|GRAB|PUT|REACH|USE|TEND|get ; \
-            ^ PART $ ; HAND to ?your BODY",
+            ^ PART $ ; HAND to ?your BODY ; \
+            RUN|wipe|walk ?a|your HAND|finger .. PART ; TOUCH|TEND|GRAB|cup|hold .. PART ; let|LET|have|make HAND .. ON PART ; HAND & PART & come|land|rest|GO|fall ; give yourself .. ON ?the PART ; FIND PART with HAND ; find PART with .. finger|hand ; TOUCH|TEND yourself ON|at|in ?the PART ; \
+            HAND .. ON BODY",
         ..Words::NONE
     },
     needs_body: true,
