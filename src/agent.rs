@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use crate::creature::{Body, Creature};
+use crate::error::Error;
 use crate::plausible;
 use crate::skin::{Receptor, Skin, skin_of};
 
@@ -15,11 +16,6 @@ pub struct Agent {
     skin: Arc<Skin>,
 }
 
-/// Why a skin does not fit a creature: the receptor or surface, the fault and the fix.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct AgentError(String);
-
 impl Agent {
     /// A creature with a skin.
     ///
@@ -27,7 +23,7 @@ impl Agent {
     /// Where a receptor or a surface of the skin is on a limb that the creature does not have, and where a
     /// receptor lacks a surface that it refers to, an id of its own, or a finite number; where one of them has a place, a size
     /// or a direction that cannot be.
-    pub fn new(creature: impl Into<Arc<Creature>>, skin: impl Into<Arc<Skin>>) -> Result<Agent, AgentError> {
+    pub fn new(creature: impl Into<Arc<Creature>>, skin: impl Into<Arc<Skin>>) -> Result<Agent, Error> {
         let (creature, skin) = (creature.into(), skin.into());
         check(&creature, &skin)?;
         Ok(Agent { creature, skin })
@@ -37,7 +33,7 @@ impl Agent {
     ///
     /// # Errors
     /// Where two touch sensors have the same name.
-    pub fn of(body: &Body) -> Result<Agent, AgentError> {
+    pub fn of(body: &Body) -> Result<Agent, Error> {
         Agent::new(body.creature.clone(), skin_of(body))
     }
 
@@ -45,7 +41,7 @@ impl Agent {
     ///
     /// # Errors
     /// As [`Agent::new`].
-    pub fn with_skin(&self, skin: impl Into<Arc<Skin>>) -> Result<Agent, AgentError> {
+    pub fn with_skin(&self, skin: impl Into<Arc<Skin>>) -> Result<Agent, Error> {
         Agent::new(self.creature.clone(), skin)
     }
 
@@ -102,14 +98,14 @@ fn receptor_fault(receptor: &Receptor, limbs: usize, skin: &Skin) -> Option<Stri
         })
 }
 
-fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {
+fn check(creature: &Creature, skin: &Skin) -> Result<(), Error> {
     let limbs = creature.limbs().len();
     let mut ids = HashSet::new();
     for receptor in &skin.receptors {
         let twice = !ids.insert(&receptor.id);
         let twice = twice.then(|| "occurs twice: give each an id of its own".to_string());
         if let Some(fault) = twice.or_else(|| receptor_fault(receptor, limbs, skin)) {
-            return Err(AgentError(format!("receptor \"{}\" {fault}", receptor.id)));
+            return Err(Error::usage(format!("receptor \"{}\" {fault}", receptor.id)));
         }
     }
     for (number, surface) in skin.surfaces.iter().enumerate() {
@@ -117,7 +113,7 @@ fn check(creature: &Creature, skin: &Skin) -> Result<(), AgentError> {
             .then(|| "is on a limb that does not exist: give it one of the creature's limbs".to_string());
         let fault = plausible::pose_fault(&surface.pose()).or_else(|| plausible::shape_fault(&surface.shape));
         if let Some(fault) = fault.or(nowhere) {
-            return Err(AgentError(format!("surface {number} (from 0) of the skin {fault}")));
+            return Err(Error::usage(format!("surface {number} (from 0) of the skin {fault}")));
         }
     }
     Ok(())

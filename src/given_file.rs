@@ -5,9 +5,6 @@ use std::io::{self, IsTerminal, Read};
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
-/// Characters of a sentence at the most.
-const LONGEST_SENTENCE: usize = 2000;
-
 /// All bytes of a file, or of a pipe up to its writer's end, such as `/dev/stdin`.
 ///
 /// # Errors
@@ -42,15 +39,4 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
         false if about.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
         false => Err(io::Error::other("it is no regular file, which can be read again")),
     }
-}
-
-/// A sentence without the middle of what is too long to be read, such as a word of a file that was none.
-pub(crate) fn shortened(sentence: String) -> String {
-    let length = sentence.chars().count();
-    if length <= LONGEST_SENTENCE {
-        return sentence;
-    }
-    let begin: String = sentence.chars().take(LONGEST_SENTENCE / 2).collect();
-    let end: String = sentence.chars().skip(length - LONGEST_SENTENCE / 2).collect();
-    format!("{begin} … {end}")
 }

@@ -1,7 +1,7 @@
 //! Where the joints really are, in the learner's own convention. Only who simulates and who measures may see it.
 
 use crate::creature::{Appearance, Body, DofKind};
-use crate::mujoco;
+use crate::error::Result;
 use crate::schema::BodySchema;
 
 /// The true schema of a creature, read from MuJoCo's poses at the reference posture.
@@ -18,7 +18,7 @@ impl GroundTruth {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body) -> mujoco::Result<GroundTruth> {
+    pub fn new(body: &Body) -> Result<GroundTruth> {
         let data = body.reference_data()?;
         let frames = body.reference_frames(&data);
         let mut schema = BodySchema::zero(&body.creature);

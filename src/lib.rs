@@ -64,6 +64,7 @@ pub mod calibration;
 pub mod cli;
 pub mod creature;
 pub mod deadline;
+mod error;
 pub mod evaluation;
 pub mod export;
 pub mod geometry;
@@ -86,3 +87,5 @@ pub mod skin;
 pub mod study;
 #[cfg(any(feature = "render", feature = "report"))]
 pub mod view;
+
+pub use error::Error;

@@ -1,15 +1,10 @@
 //! Enums whose values have names, in files and on the command line alike.
 
-/// A name that none of the choices has: what it would name, and the choices.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct UnknownName(String);
+use crate::error::Error;
 
-impl UnknownName {
-    /// The error for a name of which there is none among the choices.
-    pub fn new(what: &'static str, name: &str, choices: &[&str]) -> UnknownName {
-        UnknownName(format!("there is no {what} {name}: choose one of {}", choices.join(", ")))
-    }
+/// The error for a name of which there is none among the choices.
+pub(crate) fn unknown_name(what: &str, name: &str, choices: &[&str]) -> Error {
+    Error::usage(format!("there is no {what} {name}: choose one of {}", choices.join(", ")))
 }
 
 /// The name that is meant by one that is none of them, where it is likely a slip of the pen: two letters, whatever their
@@ -53,11 +48,11 @@ macro_rules! named {
         }
 
         impl std::str::FromStr for $type {
-            type Err = $crate::named::UnknownName;
+            type Err = $crate::error::Error;
 
-            fn from_str(name: &str) -> Result<$type, $crate::named::UnknownName> {
+            fn from_str(name: &str) -> Result<$type, $crate::error::Error> {
                 let found = $type::ALL.iter().copied().find(|value| value.name() == name);
-                found.ok_or_else(|| $crate::named::UnknownName::new($what, name, &[$($name),+]))
+                found.ok_or_else(|| $crate::named::unknown_name($what, name, &[$($name),+]))
             }
         }
     };

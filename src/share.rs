@@ -1,10 +1,18 @@
 //! Shares: work in numbered pieces that several processes make between them.
 
+use crate::error::Error;
 use std::fmt;
 use std::str::FromStr;
 
 /// The most shares that work is cut into.
 const MOST: u64 = 100_000;
+
+/// What is wrong with a share's name.
+fn no_share() -> Error {
+    Error::usage(format!(
+        "give a share and how many there are, as in 3/16: from 1/16 to 16/16, of at most {MOST}"
+    ))
+}
 
 /// One of so many equal shares of work that comes in numbered pieces: every so-manieth piece, so that all shares take
 /// about as long, however much there is.
@@ -13,11 +21,6 @@ pub struct Share {
     of: u64,
     number: u64,
 }
-
-/// What is wrong with a share's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("give a share and how many there are, as in 3/16: from 1/16 to 16/16, of at most {MOST}")]
-pub struct NoShare;
 
 impl Share {
     /// All of it.
@@ -66,12 +69,12 @@ impl fmt::Display for Share {
 }
 
 impl FromStr for Share {
-    type Err = NoShare;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Share, NoShare> {
-        let (number, of) = text.split_once('/').ok_or(NoShare)?;
-        let whole = |text: &str| text.parse::<u64>().map_err(|_| NoShare);
-        Share::new(whole(number)?, whole(of)?).ok_or(NoShare)
+    fn from_str(text: &str) -> Result<Share, Error> {
+        let (number, of) = text.split_once('/').ok_or_else(no_share)?;
+        let whole = |text: &str| text.parse::<u64>().map_err(|_| no_share());
+        Share::new(whole(number)?, whole(of)?).ok_or_else(no_share)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Max and his torso's touches, as both benchmarks need them.
 
-use std::convert::Infallible;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -36,7 +35,7 @@ pub fn babble(babbler: &Babbler, touches: usize) -> (Vec<Touch>, Effort) {
     let mut made = Vec::with_capacity(touches);
     let receive = |touch: &Touch| {
         made.push(touch.clone());
-        Ok::<(), Infallible>(())
+        Ok(())
     };
     let options = BabblingOptions { touches, seed: 1, jobs: 1 };
     let effort = babbler.babble(&options, receive).expect("Max touches himself");

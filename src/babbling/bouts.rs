@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{BabblingError, MOTION, TOUCHES_PER_BOUT};
+use super::{MOTION, TOUCHES_PER_BOUT};
 use crate::deadline::{Deadline, count_work};
+use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::share::Share;
@@ -94,13 +95,13 @@ impl End {
 
 /// Puts the bouts that follow on `done` back into order and hands their touches on, up to where they are to end.
 /// Returns how many there are and what they cost up to there, with those before; there may be no touch among them.
-pub(super) fn gather<E>(
+pub(super) fn gather(
     bouts: &mut dyn Iterator<Item = (u64, EngineResult<Bout>)>,
     mut done: BoutsDone,
     end: End,
     (fruitless_bouts, deadline): (u64, Deadline),
-    receive: &mut impl FnMut(Made) -> Result<(), E>,
-) -> Result<BoutsDone, BabblingError<E>> {
+    receive: &mut impl FnMut(Made) -> Result<(), Error>,
+) -> Result<BoutsDone, Error> {
     let mut waiting = BTreeMap::new();
     // Threads make bouts in any order: work is counted as if one had been made after the other.
     count_work(MOTION * done.effort.motions as usize);
@@ -112,9 +113,9 @@ pub(super) fn gather<E>(
         let Some((number, bout)) = next else { break };
         waiting.insert(number, bout);
         while let Some(bout) = waiting.remove(&done.bouts) {
-            let bout = bout.map_err(BabblingError::Engine)?;
+            let bout = bout?;
             for (touch, so_far) in &bout.touches {
-                receive(Made::Touch(touch)).map_err(BabblingError::Receiver)?;
+                receive(Made::Touch(touch))?;
                 done.touches += 1;
                 if matches!(end, End::AtTouch(_)) && end.is_reached(&done) {
                     done.effort += *so_far;
@@ -130,7 +131,7 @@ pub(super) fn gather<E>(
             if done.touches == 0 && done.bouts >= fruitless_bouts {
                 break 'bouts;
             }
-            receive(Made::Bout(done, bout.effort)).map_err(BabblingError::Receiver)?;
+            receive(Made::Bout(done, bout.effort))?;
             if end.is_reached(&done) || deadline.has_passed() {
                 break 'bouts;
             }
@@ -141,7 +142,6 @@ pub(super) fn gather<E>(
 
 #[cfg(test)]
 mod tests {
-    use std::convert::Infallible;
 
     use nalgebra::Vector3;
 
@@ -173,7 +173,7 @@ mod tests {
             if let Made::Touch(touch) = made {
                 received.push(touch.bout);
             }
-            Ok::<(), Infallible>(())
+            Ok(())
         };
         let done = gather(&mut bouts, BoutsDone::default(), end, (3, Deadline::NEVER), receive);
         (received, done.expect("no bout fails"))

@@ -18,11 +18,12 @@ pub use policy::{Policy, PolicyName};
 use crate::babbling::bouts::{Bout, End, gather};
 use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
+use crate::error::{Error, Kind};
 use crate::learning::Input;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::share::Share;
-use crate::simulation::{Effort, Ending, EngineError, EngineResult, MotionUntilTouch, Movers};
+use crate::simulation::{Effort, Ending, EngineResult, MotionUntilTouch, Movers};
 
 /// Touches after which a bout ends.
 const TOUCHES_PER_BOUT: usize = 25;
@@ -51,37 +52,6 @@ pub struct BabblingOptions {
     pub seed: u64,
     /// Threads.
     pub jobs: usize,
-}
-
-/// Why babbling ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum BabblingError<E> {
-    /// The engine failed.
-    #[error(transparent)]
-    Engine(EngineError),
-    /// The receiver of touches failed.
-    #[error(transparent)]
-    Receiver(E),
-    /// Bouts that were made before are not those that are made here.
-    #[error(
-        "bout {bout} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
-         on a machine that reckons otherwise; make that share again, here"
-    )]
-    Otherwise {
-        /// The bout's number, from 0 on.
-        bout: u64,
-    },
-    /// Nothing was touched.
-    #[error(
-        "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give joints wider ranges \
-         or limbs more girth, or grow more skin"
-    )]
-    NoTouch {
-        /// Motions made.
-        motions: u64,
-        /// Contacts without skin.
-        bare: u64,
-    },
 }
 
 /// An agent that babbles.
@@ -113,11 +83,18 @@ impl<'a> Babbler<'a> {
     }
 
     /// What so many touches cost; fails where some were wanted and there is none.
-    fn ended<E>(&self, wanted: usize, touches: usize, effort: Effort) -> Result<Effort, BabblingError<E>> {
+    fn ended(&self, wanted: usize, touches: usize, effort: Effort) -> Result<Effort, Error> {
         if touches > 0 || wanted == 0 {
             return Ok(effort);
         }
-        Err(BabblingError::NoTouch { motions: effort.motions, bare: effort.bare })
+        let Effort { motions, bare, .. } = effort;
+        Err(Error::new(
+            Kind::NoContact,
+            format!(
+                "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give joints wider ranges or \
+                 limbs more girth, or grow more skin"
+            ),
+        ))
     }
 
     /// Bouts without a single touch after which babbling is given up.
@@ -129,12 +106,12 @@ impl<'a> Babbler<'a> {
     /// Returns what it cost up to the last of them.
     ///
     /// # Errors
-    /// See [`BabblingError`]; touches handed on before stay handed on.
-    pub fn babble<E>(
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn babble(
         &self,
         options: &BabblingOptions,
-        mut receive: impl FnMut(&Touch) -> Result<(), E>,
-    ) -> Result<Effort, BabblingError<E>> {
+        mut receive: impl FnMut(&Touch) -> Result<(), Error>,
+    ) -> Result<Effort, Error> {
         self.babble_on(BoutsDone::default(), options, |made| match made {
             Made::Touch(touch) => receive(touch),
             Made::Bout(..) | Made::Grown(_) => Ok(()),
@@ -146,13 +123,13 @@ impl<'a> Babbler<'a> {
     /// those of a session that was never interrupted, from number `from.touches` on; the effort is that of all.
     ///
     /// # Errors
-    /// See [`BabblingError`]; touches handed on before stay handed on.
-    pub fn babble_on<E>(
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn babble_on(
         &self,
         from: BoutsDone,
         options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<(), E>,
-    ) -> Result<Effort, BabblingError<E>> {
+        mut receive: impl FnMut(Made) -> Result<(), Error>,
+    ) -> Result<Effort, Error> {
         let end = End::AtTouch(options.touches);
         let done = self.make_bouts(Share::WHOLE, from, end, options, &mut receive)?;
         self.ended(options.touches, done.touches, done.effort)
@@ -163,14 +140,14 @@ impl<'a> Babbler<'a> {
     /// touch is none that fails. Returns how far it came.
     ///
     /// # Errors
-    /// See [`BabblingError`]; touches handed on before stay handed on.
-    pub fn babble_share<E>(
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn babble_share(
         &self,
         share: Share,
         from: BoutsDone,
         options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<(), E>,
-    ) -> Result<BoutsDone, BabblingError<E>> {
+        mut receive: impl FnMut(Made) -> Result<(), Error>,
+    ) -> Result<BoutsDone, Error> {
         self.make_bouts(share, from, End::of_share(share, options.touches), options, &mut receive)
     }
 
@@ -178,14 +155,14 @@ impl<'a> Babbler<'a> {
     /// from 0 on, and makes on one thread what is missing. The last bout is always made, and held against what was recorded.
     ///
     /// # Errors
-    /// See [`BabblingError`]; touches handed on before stay handed on.
-    pub fn put_together<E>(
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn put_together(
         &self,
         from: BoutsDone,
         options: &BabblingOptions,
         mut recorded: impl FnMut(u64) -> Option<RecordedBout>,
-        mut receive: impl FnMut(Made) -> Result<(), E>,
-    ) -> Result<Effort, BabblingError<E>> {
+        mut receive: impl FnMut(Made) -> Result<(), Error>,
+    ) -> Result<Effort, Error> {
         let (mut touches, mut otherwise) = (from.touches, None);
         let mut mover = None;
         let mut make = |bout: u64| {
@@ -211,20 +188,23 @@ impl<'a> Babbler<'a> {
         let done = gather(&mut bouts, from, end, (self.fruitless_bouts(), self.deadline), &mut receive)?;
         drop(bouts);
         match otherwise {
-            Some(bout) => Err(BabblingError::Otherwise { bout }),
+            Some(bout) => Err(Error::model(format!(
+                "bout {bout} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
+                 on a machine that reckons otherwise; make that share again, here"
+            ))),
             None => self.ended(options.touches, done.touches, done.effort),
         }
     }
 
     /// Makes a share of bouts on all threads, those after `from`, and hands them on in their order.
-    fn make_bouts<E>(
+    fn make_bouts(
         &self,
         share: Share,
         from: BoutsDone,
         end: End,
         options: &BabblingOptions,
-        receive: &mut impl FnMut(Made) -> Result<(), E>,
-    ) -> Result<BoutsDone, BabblingError<E>> {
+        receive: &mut impl FnMut(Made) -> Result<(), Error>,
+    ) -> Result<BoutsDone, Error> {
         let (next_bout, done) = (AtomicU64::new(from.bouts), AtomicBool::new(false));
         let jobs = options.jobs.max(1);
         // A bounded channel keeps the threads from running far ahead of the receiver.
@@ -234,13 +214,17 @@ impl<'a> Babbler<'a> {
                 let sender = sender.clone();
                 let (next_bout, done) = (&next_bout, &done);
                 scope.spawn(move || {
-                    let mut mover = self.movers.mover();
+                    let mut mover = match self.movers.mover() {
+                        Ok(mover) => mover,
+                        Err(error) => {
+                            let _ =
+                                sender.send((next_bout.fetch_add(1, Ordering::Relaxed), Err(error.into())));
+                            return;
+                        }
+                    };
                     while !done.load(Ordering::Relaxed) && !self.deadline.has_passed() {
                         let own = next_bout.fetch_add(1, Ordering::Relaxed);
-                        let made = match &mut mover {
-                            Ok(mover) => self.bout(mover.as_mut(), options.seed, share.piece(own)),
-                            Err(error) => Err(error.clone()),
-                        };
+                        let made = self.bout(mover.as_mut(), options.seed, share.piece(own));
                         if sender.send((own, made)).is_err() {
                             break;
                         }
@@ -263,15 +247,15 @@ impl<'a> Babbler<'a> {
     /// each touch, where it learns all that can be. Returns what it cost.
     ///
     /// # Errors
-    /// See [`BabblingError`]; touches handed on before stay handed on.
-    pub fn babble_with<E>(
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn babble_with(
         &self,
         policy: &mut dyn Policy,
         options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<(), E>,
-    ) -> Result<Effort, BabblingError<E>> {
+        mut receive: impl FnMut(Made) -> Result<(), Error>,
+    ) -> Result<Effort, Error> {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-        let mut mover = self.movers.mover().map_err(BabblingError::Engine)?;
+        let mut mover = self.movers.mover()?;
         mover.draw_noise_from(noise_of(options.seed, 0));
         let fruitless_motions = self.fruitless_bouts() * MOTIONS_PER_BOUT;
         // What was done before the body was last put back to where it starts.
@@ -280,33 +264,33 @@ impl<'a> Babbler<'a> {
         while received < options.touches && !policy.is_done() && !self.deadline.has_passed() {
             if policy.starts_over() {
                 before += mover.effort();
-                mover.reset(self.movers.start()).map_err(BabblingError::Engine)?;
+                mover.reset(self.movers.start())?;
             }
-            let posture = mover.felt_posture().map_err(BabblingError::Engine)?;
+            let posture = mover.felt_posture()?;
             let target = policy.next_target(&posture, &mut rng);
-            let ending = mover.advance(&target).map_err(BabblingError::Engine)?;
+            let ending = mover.advance(&target)?;
             count_work(MOTION);
             let mut effort = before;
             effort += mover.effort();
             let motion = effort.motions;
             if let Ending::Touch(ends) = ending {
-                let mut touch = mover.touch(0, ends).map_err(BabblingError::Engine)?;
+                let mut touch = mover.touch(0, ends)?;
                 touch.motion = motion;
                 policy.touched(&touch);
-                receive(Made::Touch(&touch)).map_err(BabblingError::Receiver)?;
+                receive(Made::Touch(&touch))?;
                 if let Some(growth) = policy.grown() {
-                    receive(Made::Grown(growth)).map_err(BabblingError::Receiver)?;
+                    receive(Made::Grown(growth))?;
                 }
                 (received, last) = (received + 1, motion);
             } else {
-                policy.missed(&ending, &mover.felt_posture().map_err(BabblingError::Engine)?);
+                policy.missed(&ending, &mover.felt_posture()?);
                 if motion - last >= fruitless_motions {
                     break;
                 }
                 // A body may have got caught in itself, where all ways out begin with the contact that it is in.
                 if (motion - last).is_multiple_of(MOTIONS_PER_BOUT) {
                     before = effort;
-                    mover.reset(self.movers.start()).map_err(BabblingError::Engine)?;
+                    mover.reset(self.movers.start())?;
                 }
             }
         }
@@ -318,13 +302,13 @@ impl<'a> Babbler<'a> {
     /// after the other. Returns what it cost, and what was learned on the way by a policy that learns all that can be.
     ///
     /// # Errors
-    /// See [`BabblingError`]; touches handed on before stay handed on.
-    pub fn babble_by<E>(
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn babble_by(
         &self,
         policy: PolicyName,
         options: &BabblingOptions,
-        receive: impl FnMut(Made) -> Result<(), E>,
-    ) -> Result<(Effort, Option<Growth>), BabblingError<E>> {
+        receive: impl FnMut(Made) -> Result<(), Error>,
+    ) -> Result<(Effort, Option<Growth>), Error> {
         if policy == PolicyName::Random {
             return Ok((self.babble_on(BoutsDone::default(), options, receive)?, None));
         }

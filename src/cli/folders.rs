@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use crate::session::{
-    FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, RecordError,
-    SCHEMA_FILE, SENSATIONS_FILE, SESSION_FILE, SPACE_FILE, Session, TOUCHES_FILE,
+    FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, SCHEMA_FILE,
+    SENSATIONS_FILE, SESSION_FILE, SPACE_FILE, Session, TOUCHES_FILE,
 };
 use crate::view::report::REPORT_FILE;
 
@@ -92,7 +92,8 @@ pub fn free_folder(
         // Of several processes one makes it, and that one has it, unless another was told to write just there.
         match FolderLock::make_new(&folder) {
             Ok(Some(lock)) if held(&folder, files).is_none() => return Ok(lock),
-            Ok(_) | Err(RecordError::Busy { .. }) => {}
+            Ok(_) => {}
+            Err(error) if error.is_busy() => {}
             Err(error) => return Err(error.into()),
         }
     }

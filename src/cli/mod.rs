@@ -159,7 +159,7 @@ pub fn run() -> ExitCode {
     match carry_out() {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
-            let sentence = crate::given_file::shortened(sentence);
+            let sentence = crate::error::shortened(sentence);
             eprintln!("bodyschema: {}", printable::Printable(format_args!("{sentence}")));
             ExitCode::FAILURE
         }

@@ -7,8 +7,9 @@ use serde_json::Value;
 
 use super::Outcome;
 use super::printable::Printable;
+use crate::error::Error;
 use crate::evaluation::Summary;
-use crate::session::{Action, MadeFolders, RecordError, folder_of, write_whole};
+use crate::session::{MadeFolders, folder_of, write_whole};
 /// An error in its unit, as the report has it; a dash where there is none.
 pub(crate) use crate::view::text::error_number as number;
 use crate::view::tone::Tone;
@@ -66,8 +67,8 @@ pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
 }
 
 /// Why a file of results is not written.
-pub fn not_written(path: &Path) -> impl FnOnce(std::io::Error) -> RecordError {
-    RecordError::io(path, Action::Write)
+pub fn not_written(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+    Error::unwritable(path)
 }
 
 /// A summary as a row of a table, in its own unit.

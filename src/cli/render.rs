@@ -9,7 +9,7 @@ use nalgebra::Point3;
 
 use super::open::{ModelArguments, open_to_draw};
 use super::{Failure, Outcome, output, progress};
-use crate::creature::{Body, BodyError, Creature, DofKind, JointSelection, Posture};
+use crate::creature::{Body, Creature, DofKind, JointSelection, Posture};
 use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
 use crate::session::words::listed;
 use crate::session::{MadeFolders, SESSION_FILE, folder_of, model_hash};
@@ -201,7 +201,7 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
     let model = Arc::new(open_to_draw(source.clone())?);
     let body = match Body::rooted(model.clone(), &JointSelection::All, args.options.root.as_deref()) {
         // What cannot move can be looked at.
-        Err(BodyError::NoJoints) if args.posture.is_none() => None,
+        Err(error) if error.is_no_joints() && args.posture.is_none() => None,
         _ => Some(source.body_in(model.clone())?),
     };
     let mut qpos = model.qpos0().to_vec();

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::{Creature, Posture};
+use crate::error::Result;
 use crate::geometry::Frame;
-use crate::mujoco::{self, Data, Equality, Geom, JointKind, Model};
+use crate::mujoco::{Data, Equality, Geom, JointKind, Model};
 
 /// One joint of the creature in the model: consecutive MuJoCo joints of a body that share an anchor.
 #[derive(Clone, Debug)]
@@ -54,7 +55,7 @@ impl Body {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn reference_data(&self) -> mujoco::Result<Data> {
+    pub fn reference_data(&self) -> Result<Data> {
         let mut data = Data::new(self.model.clone())?;
         data.set_qpos(&self.base)?;
         data.kinematics()?;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::body_error::BodyError;
 use super::names::joint_name;
 use super::{Creature, Dof};
+use crate::error::Error;
 use crate::mujoco::{Equality, Model};
 
 /// Places at which a leader's range is tried against its follower's.
@@ -41,7 +41,7 @@ pub(super) fn couple(
     dofs: &mut [&mut Dof],
     dof_of_joint: &[Option<usize>],
     reference: impl Fn(usize) -> f64,
-) -> Result<(), BodyError> {
+) -> Result<(), Error> {
     let name = |joint: usize| joint_name(model, joint);
     // Of several couplings of a joint the first counts.
     let mut couplings: BTreeMap<usize, (Option<usize>, [f64; 5])> = BTreeMap::new();
@@ -59,7 +59,7 @@ pub(super) fn couple(
         {
             if let Some(start) = way.iter().position(|&passed| passed == on) {
                 let joints: Vec<String> = way[start..].iter().map(|&joint| name(joint)).collect();
-                return Err(BodyError::Unsuitable(format!(
+                return Err(Error::model(format!(
                     "joints {} follow each other in a circle: remove one of their <joint> entries in <equality>",
                     joints.join(", ")
                 )));
@@ -76,7 +76,7 @@ pub(super) fn couple(
         let degree = polynomial.iter().rposition(|&coefficient| coefficient != 0.0).unwrap_or(0);
         if degree >= own.len() {
             let (joint, leader) = (name(joint), name(moving));
-            return Err(BodyError::Unsuitable(format!(
+            return Err(Error::model(format!(
                 "joint {joint} follows {leader} through others by a polynomial of degree {degree}, and 4 is the most: let \
                  it follow {leader} itself"
             )));

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::body_error::BodyError;
 use super::coupling::couple;
 use super::names::{body_name, free_name, joint_name};
 use super::selection::{JointSelection, Tree, select};
-use super::{AuraLimb, Body, Creature, CreatureError, Dof, DofKind, Joint, Segment};
+use super::{AuraLimb, Body, Creature, Dof, DofKind, Joint, Segment, no_joints};
+use crate::error::{Error, Result};
 use crate::geometry::Shape;
-use crate::mujoco::{self, JointKind, Model, ModelJoint, ObjectKind};
+use crate::mujoco::{JointKind, Model, ModelJoint, ObjectKind};
 use crate::plausible::bounded;
 
 /// Tuples of a model whose name starts with this list the bodies of one aura limb.
@@ -26,8 +26,8 @@ impl Body {
     /// most joints.
     ///
     /// # Errors
-    /// See [`BodyError`].
-    pub fn new(model: Arc<Model>, selection: &JointSelection) -> Result<Body, BodyError> {
+    /// If nothing in the model can move, or the model or what is asked of it is unsuitable.
+    pub fn new(model: Arc<Model>, selection: &JointSelection) -> Result<Body, Error> {
         Body::rooted(model, selection, None)
     }
 
@@ -38,12 +38,12 @@ impl Body {
     /// which the creature's own surface can touch itself, whatever the file's contact filters say.
     ///
     /// # Errors
-    /// See [`BodyError`].
+    /// If nothing in the model can move, or the model or what is asked of it is unsuitable.
     pub fn rooted(
         declared: Arc<Model>,
         selection: &JointSelection,
         root: Option<&str>,
-    ) -> Result<Body, BodyError> {
+    ) -> Result<Body, Error> {
         let Tree { root, holds } = Tree::new(&declared, root)?;
         // What of the creature can be touched, whichever joints are selected.
         let own: Vec<bool> =
@@ -67,7 +67,10 @@ impl Body {
             let info = model.body(body);
             let parent = if info.parent == 0 { Some(0) } else { limb_of_body[info.parent] };
             let mut limb = parent.ok_or_else(|| {
-                CreatureError(format!("body {} comes before its parent", body_name(&model, body)))
+                Error::model(format!(
+                    "the model's tree cannot be read: body {} comes before its parent",
+                    body_name(&model, body)
+                ))
             })?;
             let groups = group_by_anchor(&model, info.joints.filter(|&j| chosen(j)));
             let count = groups.len();
@@ -83,7 +86,7 @@ impl Body {
             limb_of_body[body] = Some(limb);
         }
         if segments.is_empty() {
-            return Err(BodyError::NoJoints);
+            return Err(no_joints());
         }
 
         let mut addresses = Vec::new();
@@ -115,7 +118,8 @@ impl Body {
         })?;
         let auras = aura_limbs(&model, &limbs, &limb_of_body);
         let name = model.model_name().unwrap_or("creature").to_string();
-        let creature = Creature::new(name, limbs, joints, auras).map_err(BodyError::Tree)?;
+        let creature = Creature::new(name, limbs, joints, auras)
+            .map_err(|error| Error::model(format!("the model's tree cannot be read: {error}")))?;
         let pose_in_limb = vec![Isometry3::identity(); model.nbody()];
         let balls = Vec::new();
         let mut body = Body {
@@ -157,7 +161,7 @@ impl Body {
             .collect()
     }
 
-    fn place_bodies(&self) -> mujoco::Result<Vec<Isometry3<f64>>> {
+    fn place_bodies(&self) -> Result<Vec<Isometry3<f64>>> {
         let data = self.reference_data()?;
         let frames = self.reference_frames(&data);
         let place = |(body, limb): (usize, &Option<usize>)| match limb {

@@ -3,7 +3,6 @@
 
 mod appearance;
 mod body;
-mod body_error;
 mod coupling;
 mod from_model;
 mod names;
@@ -16,13 +15,13 @@ use serde::{Deserialize, Serialize};
 
 pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
-pub use body_error::BodyError;
 pub use coupling::Coupling;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limits, matrix, span};
 pub(crate) use names::{body_name, joint_name, site_name};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub use selection::{CreatureInFile, JointSelection, creatures};
 
+use crate::error::{Error, Kind};
 use crate::plausible;
 
 /// The kind of one degree of freedom (a ball counts three, but moves as one).
@@ -159,15 +158,15 @@ impl From<Creature> for Parts {
     }
 }
 
-/// Why limbs and joints make no creature: the part, the fault and the fix.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct CreatureError(String);
+/// The error for a model in which nothing can move.
+pub(crate) fn no_joints() -> Error {
+    Error::new(Kind::NoJoints, "the model has no hinge, slide or ball joint: give a creature that can move")
+}
 
 impl TryFrom<Parts> for Creature {
-    type Error = CreatureError;
+    type Error = Error;
 
-    fn try_from(parts: Parts) -> Result<Creature, CreatureError> {
+    fn try_from(parts: Parts) -> Result<Creature, Error> {
         Creature::new(parts.name, parts.limbs, parts.joints, parts.aura_limbs)
     }
 }
@@ -184,8 +183,8 @@ impl Creature {
         limbs: Vec<String>,
         mut joints: Vec<Joint>,
         aura_limbs: Vec<AuraLimb>,
-    ) -> Result<Creature, CreatureError> {
-        let fault = |sentence: String| Err(CreatureError(sentence));
+    ) -> Result<Creature, Error> {
+        let fault = |sentence: String| Err(Error::model(sentence));
         if limbs.len() != joints.len() + 1 {
             let [limbs, joints] = [limbs.len(), joints.len()];
             return fault(format!("a creature of {limbs} limbs needs one joint fewer, not {joints}"));

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::body_error::BodyError;
 use super::names::body_name;
+use super::no_joints;
+use crate::error::Error;
 use crate::mujoco::{JointKind, Model, ObjectKind};
 
 /// Tuples of a model whose name starts with this list the joints of one named set.
@@ -96,11 +97,11 @@ impl Tree {
     ///
     /// # Errors
     /// Where there is no such body, or nothing below it can move.
-    pub fn new(model: &Model, root: Option<&str>) -> Result<Tree, BodyError> {
+    pub fn new(model: &Model, root: Option<&str>) -> Result<Tree, Error> {
         let top = match root {
             None => {
                 let largest = creatures(model).into_iter().rev().max_by_key(|creature| creature.joints);
-                largest.ok_or(BodyError::NoJoints)?.root
+                largest.ok_or_else(no_joints)?.root
             }
             Some(name) => named(model, name)?,
         };
@@ -117,14 +118,14 @@ impl Tree {
 }
 
 /// The body of a name, or of the one that it has here where the file gives it none.
-fn named(model: &Model, name: &str) -> Result<usize, BodyError> {
+fn named(model: &Model, name: &str) -> Result<usize, Error> {
     let found = model.id(ObjectKind::Body, name).filter(|&body| body != 0);
     let unnamed =
         || (1..model.nbody()).find(|&body| model.body(body).name.is_none() && body_name(model, body) == name);
     found.or_else(unnamed).ok_or_else(|| {
         let roots: Vec<String> =
             creatures(model).into_iter().map(|creature| creature.name).take(12).collect();
-        BodyError::Unsuitable(format!(
+        Error::model(format!(
             "the model has no body named {name}; its creatures begin at {}: give one of these",
             roots.join(", ")
         ))
@@ -132,7 +133,7 @@ fn named(model: &Model, name: &str) -> Result<usize, BodyError> {
 }
 
 /// Per MuJoCo joint, whether the selection names it.
-pub(super) fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, BodyError> {
+pub(super) fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bool>, Error> {
     let tuples = model.tuples();
     let set = |name: &str| {
         let tuple = tuples
@@ -169,7 +170,7 @@ pub(super) fn select(model: &Model, selection: &JointSelection) -> Result<Vec<bo
         if !found {
             let sets = tuples.iter().filter_map(|t| t.name?.strip_prefix(JOINTS_TUPLE));
             let sets: Vec<&str> = sets.chain(["all"]).collect();
-            return Err(BodyError::Unsuitable(format!(
+            return Err(Error::model(format!(
                 "the model has no joint and no joint set named {name}; it has the sets {}",
                 sets.join(", ")
             )));

@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::error::ActorError;
 use super::stick::HeldStick;
 use super::tasks::SearchPlan;
 use crate::creature::{Creature, Posture};
+use crate::error::Error;
 use crate::geometry::Frame;
 use crate::kinematics::Place;
 use crate::peripersonal::{
@@ -132,8 +132,8 @@ impl Actor {
     /// A creature on a stage that acts with two limbs, by their names, and faces along x of its root.
     ///
     /// # Errors
-    /// See [`ActorError`].
-    pub fn new(own: OwnBody, handle: AgentHandle, hands: [&str; 2], seed: u64) -> Result<Actor, ActorError> {
+    /// If the creature on the stage is another than the one that learned, or the hands are not two limbs with skin that move apart.
+    pub fn new(own: OwnBody, handle: AgentHandle, hands: [&str; 2], seed: u64) -> Result<Actor, Error> {
         let clearance = CollisionChecker::new(&own);
         Actor::with_clearance(own, clearance, handle, hands, seed)
     }
@@ -148,22 +148,29 @@ impl Actor {
         handle: AgentHandle,
         hands: [&str; 2],
         seed: u64,
-    ) -> Result<Actor, ActorError> {
+    ) -> Result<Actor, Error> {
         let known = (own.creature().limbs(), own.creature().joints().len(), own.creature().coordinates());
         let there = handle.agent().creature();
         if known != (there.limbs(), there.joints().len(), there.coordinates()) {
             let told = |creature: &Creature| (creature.name().to_string(), creature.joints().len());
-            return Err(ActorError::Creature { known: told(own.creature()), there: told(there) });
+            let [(known, joints), (there, others)] = [told(own.creature()), told(there)];
+            return Err(Error::usage(format!(
+                "the schema is of {known} with {joints} joints, the scene has {there} with {others}: give the scene of the \
+                 creature that learned it"
+            )));
         }
         let skin = |skin: &crate::skin::Skin| {
             skin.receptors.iter().map(|receptor| receptor.id.clone()).collect::<Vec<_>>()
         };
         if skin(own.skin()) != skin(handle.agent().skin()) {
-            return Err(ActorError::Skin);
+            let sentence = "the scene's creature has other receptors than the one that learned the schema";
+            return Err(Error::usage(sentence));
         }
         let limb = |name: &str| {
             let limb = own.creature().limb(name);
-            limb.ok_or_else(|| ActorError::NoLimb { name: name.to_string(), limbs: known.0.join(", ") })
+            limb.ok_or_else(|| {
+                Error::usage(format!("there is no limb called {name}: give two of {}", known.0.join(", ")))
+            })
         };
         let limbs = [limb(hands[0])?, limb(hands[1])?];
         let up = handle.sense::<Balance>().unwrap_or_default().up;
@@ -179,10 +186,15 @@ impl Actor {
                 (frames[place.limb].point(&place.point) - frames[limb].origin).norm()
             };
             let tip = receptors.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
-            let tip = tip.ok_or_else(|| ActorError::NoReceptors { limb: hands[k].to_string() })?;
+            let tip = tip.ok_or_else(|| {
+                Error::usage(format!("{} has no receptors: nothing can be felt with it", hands[k]))
+            })?;
             let arm = own.joints_of(limb, &[other]);
             if arm.is_empty() {
-                return Err(ActorError::OneArm { limbs: [hands[k], hands[1 - k]].map(str::to_string) });
+                let [hand, other] = [hands[k], hands[1 - k]];
+                return Err(Error::usage(format!(
+                    "nothing moves {hand} but what moves {other}: give two other limbs"
+                )));
             }
             let leaning = own.joints_to(limb);
             Ok(Hand { name: hands[k].to_string(), limb, arm, leaning, receptors, tip })

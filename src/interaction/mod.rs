@@ -5,7 +5,6 @@ mod actor;
 mod avoiding;
 mod body_part;
 mod conversation;
-mod error;
 mod leaning;
 mod lifting;
 mod own_spot;
@@ -20,7 +19,6 @@ pub use conversation::grammar::{
     Aside, End, HandName, Language, Mood, PartName, Request, Understood, UnknownWord, Which,
 };
 pub use conversation::{Conversation, Intent, Reply, understood};
-pub use error::ActorError;
 pub use own_spot::OwnTouch;
 pub use stick::{HeldStick, KnownStick};
 pub use tasks::{

@@ -39,6 +39,12 @@ impl Refused {
     }
 }
 
+impl From<Refused> for crate::error::Error {
+    fn from(refused: Refused) -> crate::error::Error {
+        Error::from(refused).into()
+    }
+}
+
 impl From<Refused> for Error {
     fn from(Refused { path, line, message }: Refused) -> Error {
         Error::Read { path, line, message }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::error::Kind;
+
 /// A failure of the engine, of a model's file, or of what was handed to the engine.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -72,6 +74,15 @@ pub enum Error {
         /// The length given.
         found: usize,
     },
+}
+
+impl From<Error> for crate::error::Error {
+    fn from(error: Error) -> crate::error::Error {
+        match error {
+            Error::Read { path, line, message } => crate::error::Error::model(message).at(&path, line),
+            error => crate::error::Error::new(Kind::Engine, error.to_string()),
+        }
+    }
 }
 
 /// A result of the MuJoCo layer.

@@ -5,14 +5,13 @@
 //! the chest, the spine's, must lean as well. Only the joints' ranges count: whether limbs would be in each other, or in
 //! something that is known to be there, is not regarded; [`CollisionChecker`](super::CollisionChecker) tells it of the postures.
 
-use std::fmt;
-
 use nalgebra::Vector3;
 
 use super::flood::{Reached, beside};
 use super::lattice::Lattice;
 use super::own_body::OwnBody;
 use crate::creature::Posture;
+use crate::error::Error;
 use crate::geometry::Frame;
 use crate::kinematics::{Place, PlaceChain, Workspace};
 use crate::learning::Certainty;
@@ -79,30 +78,6 @@ pub struct Reach {
     /// How far off the tip stays with that, metres.
     pub miss: f64,
 }
-
-/// Why there is no map of a limb.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Unmappable {
-    /// It has no receptors, hence no tip.
-    NoSkin(String),
-    /// Voxels of this side, metres, are none, or more than can be counted.
-    Voxel(f64),
-}
-
-impl fmt::Display for Unmappable {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Unmappable::NoSkin(limb) => {
-                write!(f, "{limb} has no receptors that could reach for anything: name another limb")
-            }
-            Unmappable::Voxel(side) => {
-                write!(f, "voxels of {side} m cannot be counted: give a side like 0.02")
-            }
-        }
-    }
-}
-
-impl std::error::Error for Unmappable {}
 
 /// The reachable space of one limb.
 #[derive(Clone, Debug)]
@@ -210,8 +185,11 @@ impl ReachableMap {
     ///
     /// # Errors
     /// Where the hand has no skin, or voxels are too many or none.
-    pub fn new(own: &OwnBody, hand: usize, chest: usize, voxel: f64) -> Result<ReachableMap, Unmappable> {
-        let tip = own.tip_of(hand).ok_or_else(|| Unmappable::NoSkin(own.creature().limbs()[hand].clone()))?;
+    pub fn new(own: &OwnBody, hand: usize, chest: usize, voxel: f64) -> Result<ReachableMap, Error> {
+        let tip = own.tip_of(hand).ok_or_else(|| {
+            let limb = &own.creature().limbs()[hand];
+            Error::usage(format!("{limb} has no receptors that could reach for anything: name another limb"))
+        })?;
         ReachableMap::of_place(own, hand, tip, chest, voxel)
     }
 
@@ -225,7 +203,7 @@ impl ReachableMap {
         tip: Place,
         chest: usize,
         voxel: f64,
-    ) -> Result<ReachableMap, Unmappable> {
+    ) -> Result<ReachableMap, Error> {
         let at_ease = own.at_ease();
         let frame = own.frames(&at_ease)[chest];
         let carries_chest = own.joints_to(chest);
@@ -234,7 +212,9 @@ impl ReachableMap {
         let (begin, reach) = chains[1].reach();
         let countable = voxel > 0.0 && voxel.is_finite();
         let lattice = countable.then(|| Lattice::around(&begin, reach, voxel, MOST_VOXELS)).flatten();
-        let mut reached = Reached::new(lattice.ok_or(Unmappable::Voxel(voxel))?);
+        let mut reached = Reached::new(lattice.ok_or_else(|| {
+            Error::usage(format!("voxels of {voxel} m cannot be counted: give a side like 0.02"))
+        })?);
         reached.fill(&chains[0], &chains[0].of_posture(&at_ease), 0);
         let near = reached.voxels.len();
         // From here on every voxel keeps all coordinates: those of the arm, and the trunk's at ease.

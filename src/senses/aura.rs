@@ -9,8 +9,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::{Sense, SensedStep, SensingBody};
 use crate::creature::Body;
+use crate::error::Result;
 use crate::geometry::{Ball, Frame, Precision, gap};
-use crate::mujoco::{self, Data};
+use crate::mujoco::Data;
 use crate::skin::{AURA_REACH, ProximityGeometry, Skin, Surface, aura_of, surface_of_body};
 
 /// How far ahead a contact is predicted, seconds.
@@ -95,7 +96,7 @@ pub struct Aura {
 }
 
 impl Sense for Aura {
-    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+    fn step(&mut self, step: &SensedStep) -> Result<()> {
         self.events.clear();
         if self.watching && step.time >= self.next {
             self.next = step.time + LOOK_PERIOD - 1e-9;

@@ -1,9 +1,9 @@
 //! Balance: which way is up.
 
+use crate::error::Result;
 use nalgebra::Vector3;
 
 use super::sense::{Sense, SensedStep};
-use crate::mujoco;
 
 /// The sense of balance, in the root limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +20,11 @@ impl Default for Balance {
 }
 
 impl Sense for Balance {
-    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+    fn step(&mut self, step: &SensedStep) -> Result<()> {
         self.place(step)
     }
 
-    fn place(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+    fn place(&mut self, step: &SensedStep) -> Result<()> {
         if let Some(root) = step.body.limb_pose(step.data, 0) {
             self.up = root.inverse_transform_vector(&Vector3::z());
         }

@@ -11,7 +11,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{Sense, SensedStep, SensingBody};
 use crate::creature::{Body, DofKind, Posture};
-use crate::mujoco::{self, Data, Sensor, SensorKind};
+use crate::error::Result;
+use crate::mujoco::{Data, Sensor, SensorKind};
 
 /// Two readings of a ball joint nearer than this are one, per number of its quaternion: the engine normalises it anew.
 const ROUNDING: f64 = 1e-12;
@@ -92,11 +93,11 @@ pub struct Proprioception {
 }
 
 impl Sense for Proprioception {
-    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+    fn step(&mut self, step: &SensedStep) -> Result<()> {
         self.place(step)
     }
 
-    fn place(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+    fn place(&mut self, step: &SensedStep) -> Result<()> {
         self.felt = self.read(step.body, step.posture)?;
         Ok(())
     }
@@ -107,7 +108,7 @@ impl Proprioception {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body, noise: ChaCha8Rng) -> mujoco::Result<Proprioception> {
+    pub fn new(body: &Body, noise: ChaCha8Rng) -> Result<Proprioception> {
         let dofs = joint_sensors(body).into_iter().zip(body.creature.elements());
         let channels = dofs.filter_map(|(sensor, at)| {
             let (coordinate, dof) = (at.coordinate(), at.dof());
@@ -119,7 +120,7 @@ impl Proprioception {
     }
 
     /// The sense of a creature on a stage, which is there once.
-    pub(super) fn of(own: &SensingBody) -> mujoco::Result<Proprioception> {
+    pub(super) fn of(own: &SensingBody) -> Result<Proprioception> {
         Proprioception::new(own.body, ChaCha8Rng::seed_from_u64(0))
     }
 
@@ -137,7 +138,7 @@ impl Proprioception {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn read(&mut self, body: &Body, posture: &[f64]) -> mujoco::Result<Posture> {
+    pub fn read(&mut self, body: &Body, posture: &[f64]) -> Result<Posture> {
         if let Some([_, felt]) = self.last.as_ref().filter(|[last, _]| **last == *posture) {
             return Ok(felt.clone());
         }
@@ -148,7 +149,7 @@ impl Proprioception {
         Ok(felt)
     }
 
-    fn read_anew(&mut self, body: &Body, posture: &[f64]) -> mujoco::Result<Posture> {
+    fn read_anew(&mut self, body: &Body, posture: &[f64]) -> Result<Posture> {
         let mut felt = Posture::from(posture);
         body.write_qpos(posture, &mut self.qpos);
         let exact = self.qpos.clone();

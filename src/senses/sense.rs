@@ -9,11 +9,12 @@ use super::skin_contact::SkinContact;
 use super::{Aura, Balance, Proprioception, TouchSensor};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
+use crate::error::Result;
 use crate::geometry::Frame;
-use crate::mujoco::{self, Data};
+use crate::mujoco::Data;
 
 /// Makes a sense for a creature on a stage.
-pub type NewSense = fn(&SensingBody) -> mujoco::Result<Box<dyn Sense>>;
+pub type NewSense = fn(&SensingBody) -> Result<Box<dyn Sense>>;
 
 /// The senses of every creature on a stage: touch, posture, proximity, balance.
 pub const SENSES: &[NewSense] = &[
@@ -57,13 +58,13 @@ pub trait Sense: Any {
     ///
     /// # Errors
     /// Where the engine fails.
-    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()>;
+    fn step(&mut self, step: &SensedStep) -> Result<()>;
 
     /// Senses the state of a body that was put into a posture at once, as before the first step. Senses of events report none.
     ///
     /// # Errors
     /// Where the engine fails.
-    fn place(&mut self, _step: &SensedStep) -> mujoco::Result<()> {
+    fn place(&mut self, _step: &SensedStep) -> Result<()> {
         Ok(())
     }
 }
@@ -93,7 +94,7 @@ mod tests {
     struct Steps(usize);
 
     impl Sense for Steps {
-        fn step(&mut self, _: &SensedStep) -> mujoco::Result<()> {
+        fn step(&mut self, _: &SensedStep) -> Result<()> {
             self.0 += 1;
             Ok(())
         }
@@ -116,7 +117,7 @@ mod tests {
         body.write_qpos(&posture, &mut qpos);
         data.set_qpos(&qpos).and_then(|()| data.kinematics()).expect("the engine computes");
         let own = SensingBody { agent: &agent, body: &body, frames: &body.limb_frames(&data) };
-        let made = SENSES.iter().map(|new| new(&own)).collect::<mujoco::Result<Vec<_>>>();
+        let made = SENSES.iter().map(|new| new(&own)).collect::<Result<Vec<_>>>();
         let mut senses = made.expect("the engine computes");
         senses.push(Box::new(Steps::default()));
         let step = SensedStep {

@@ -14,7 +14,7 @@
 use super::felt_surface::FeltSurface;
 use super::followed_touch::{FollowedTouch, earlier_first, fused};
 use super::{Sense, SensedStep, SensingBody, SkinContact, TouchEvent};
-use crate::mujoco;
+use crate::error::Result;
 use crate::skin::{Skin, SomatotopicMap};
 
 /// How long nothing must touch before a sensation has ended, seconds: a fingertip that bounces over an edge comes
@@ -42,7 +42,7 @@ pub struct TouchSensor {
 }
 
 impl Sense for TouchSensor {
-    fn step(&mut self, step: &SensedStep) -> mujoco::Result<()> {
+    fn step(&mut self, step: &SensedStep) -> Result<()> {
         self.events = self.follow(step.time, step.contacts);
         Ok(())
     }
@@ -61,7 +61,7 @@ impl TouchSensor {
     }
 
     /// The sensor of a creature on a stage, by the map of its skin in the reference posture.
-    pub(super) fn of(own: &SensingBody) -> mujoco::Result<TouchSensor> {
+    pub(super) fn of(own: &SensingBody) -> Result<TouchSensor> {
         let skin = own.agent.skin();
         Ok(TouchSensor::new(SomatotopicMap::at_ease(own.body, skin)?, skin))
     }

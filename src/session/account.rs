@@ -7,7 +7,6 @@ use crate::creature::Creature;
 use crate::learning::observability::Observability;
 use crate::learning::{Account, AxisModel, Basis, Learned, LengthUnit, Parameters, Witnesses};
 use crate::plausible::GREATEST_LEARNED;
-use crate::session::record_error::ContentFault;
 
 /// What a learner tells of how good its schema is, as it is kept.
 #[derive(Clone, Debug)]
@@ -129,7 +128,7 @@ impl AccountEntry {
     ///
     /// # Errors
     /// A sentence where it is of another creature.
-    pub fn account(&self, creature: &Creature) -> Result<RecordedAccount, ContentFault> {
+    pub fn account(&self, creature: &Creature) -> Result<RecordedAccount, String> {
         let placed = self.placed.iter();
         let distances =
             placed.clone().flat_map(|placed| placed.limbs.iter().flat_map(|limb| &limb.distances).flatten());
@@ -171,7 +170,7 @@ impl PlacedEntry {
         }
     }
 
-    fn account(&self, found: Observability, creature: &Creature) -> Result<Account, ContentFault> {
+    fn account(&self, found: Observability, creature: &Creature) -> Result<Account, String> {
         let mut touches = vec![0; creature.limbs().len()];
         let mut made = touches.clone();
         let mut limbs = Vec::with_capacity(self.limbs.len());
@@ -232,7 +231,7 @@ impl DeterminedEntry {
     }
 
     /// Refuses an information that is none: of two parameters together it is at most the mean of that of each.
-    fn check(&self) -> Result<(), ContentFault> {
+    fn check(&self) -> Result<(), String> {
         let own = |i: usize| self.information[i].get(i).copied().unwrap_or_default();
         for (i, row) in self.information.iter().enumerate() {
             for (j, x) in row.iter().enumerate().take(i) {
@@ -248,7 +247,7 @@ impl DeterminedEntry {
         Ok(())
     }
 
-    fn observability(&self, creature: &Creature) -> Result<Observability, ContentFault> {
+    fn observability(&self, creature: &Creature) -> Result<Observability, String> {
         let joint_names: Vec<&str> = creature.joints().iter().map(|joint| joint.name.as_str()).collect();
         let limb_names: Vec<&str> = creature.limbs().iter().map(String::as_str).collect();
         let joints = marks(&joint_names, &self.joints)?;
@@ -279,12 +278,12 @@ impl DeterminedEntry {
     }
 }
 
-fn unknown_name(name: &str) -> ContentFault {
+fn unknown_name(name: &str) -> String {
     format!("its account names \"{name}\", which the creature does not have: {MEND}").into()
 }
 
 /// Of each of `all` names whether it is among `some`.
-fn marks(all: &[&str], some: &[String]) -> Result<Vec<bool>, ContentFault> {
+fn marks(all: &[&str], some: &[String]) -> Result<Vec<bool>, String> {
     if let Some(name) = some.iter().find(|name| !all.contains(&name.as_str())) {
         return Err(unknown_name(name));
     }

@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::embodied::Embodied;
-use super::error::ExperimentError;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
 use super::shares::BabbledShares;
 use super::touches::make_touches;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
+use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::session::{
-    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, RecordError, SESSION_FILE, Session,
-    SessionOptions, TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, SESSION_FILE, Session, SessionOptions,
+    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
 };
 use crate::simulation::{Effort, MotionName};
 use crate::skin::Skin;
@@ -97,12 +97,12 @@ impl<'a> BabblingSession<'a> {
         setup: &'a SessionSetup,
         lock: &FolderLock,
         provenance: Provenance,
-    ) -> Result<BabblingSession<'a>, ExperimentError> {
+    ) -> Result<BabblingSession<'a>, Error> {
         let folder = lock.folder();
         for file in [SESSION_FILE, TOUCHES_FILE] {
             if folder.join(file).exists() {
                 let reason = "it is there already: give another folder with --out, or move it away";
-                return Err(ExperimentError::unfit(&folder.join(file), reason));
+                return Err(Error::unfit(&folder.join(file), reason));
             }
         }
         let session = new_session(embodied, setup, provenance)?;
@@ -132,7 +132,7 @@ impl<'a> BabblingSession<'a> {
         setup: &'a SessionSetup,
         lock: &FolderLock,
         session: Session,
-    ) -> Result<ResumedSession<'a>, ExperimentError> {
+    ) -> Result<ResumedSession<'a>, Error> {
         let folder = lock.folder();
         check_same(&session, embodied, folder)?;
         let agent = embodied.agent();
@@ -146,7 +146,7 @@ impl<'a> BabblingSession<'a> {
                      with --out",
                     touches.len(),
                 );
-                return Err(ExperimentError::unfit(&log_file, reason));
+                return Err(Error::unfit(&log_file, reason));
             }
             return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches, grown: None })));
         }
@@ -189,7 +189,7 @@ impl<'a> BabblingSession<'a> {
     /// # Errors
     /// Where the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so
     /// can be resumed.
-    pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, ExperimentError> {
+    pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, Error> {
         let setup = self.setup;
         let (model, options) = (self.embodied.model(), &setup.babbling);
         self.make(observer, |babbler, done, receive| {
@@ -206,14 +206,14 @@ impl<'a> BabblingSession<'a> {
         self,
         shares: &BabbledShares,
         observer: &dyn Observer,
-    ) -> Result<BabbledSession, ExperimentError> {
+    ) -> Result<BabbledSession, Error> {
         let (model, options) = (self.embodied.model(), &self.setup.babbling);
         let bouts = shares.bouts(self.embodied.agent())?;
         // Where this was interrupted before, their time is counted already.
         let spent = if self.made.is_empty() { shares.spent() } else { self.spent };
         BabblingSession { spent, ..self }.make(observer, |babbler, done, receive| {
             let effort = babbler.put_together(done, options, bouts, receive);
-            Ok((effort.map_err(ExperimentError::babbling(model))?, None))
+            Ok((effort.map_err(Error::of_model(model))?, None))
         })
     }
 
@@ -224,9 +224,9 @@ impl<'a> BabblingSession<'a> {
         make: impl FnOnce(
             &Babbler,
             BoutsDone,
-            &mut dyn FnMut(Made) -> Result<(), RecordError>,
-        ) -> Result<(Effort, Option<Growth>), ExperimentError>,
-    ) -> Result<BabbledSession, ExperimentError> {
+            &mut dyn FnMut(Made) -> Result<(), Error>,
+        ) -> Result<(Effort, Option<Growth>), Error>,
+    ) -> Result<BabbledSession, Error> {
         let begun = self.begun;
         let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
             self;
@@ -284,7 +284,7 @@ pub(super) fn new_session(
     embodied: &Embodied,
     setup: &SessionSetup,
     provenance: Provenance,
-) -> Result<Session, ExperimentError> {
+) -> Result<Session, Error> {
     let (source, learning) = (embodied.source(), &setup.learning);
     Ok(Session {
         program: PROGRAM.to_string(),
@@ -315,14 +315,10 @@ pub(super) fn new_session(
 }
 
 /// Whether the session's creature and engine are still the same, without which touches would be others.
-pub(super) fn check_same(
-    session: &Session,
-    embodied: &Embodied,
-    folder: &Path,
-) -> Result<(), ExperimentError> {
+pub(super) fn check_same(session: &Session, embodied: &Embodied, folder: &Path) -> Result<(), Error> {
     let version = embodied.body().model.version().to_string();
     if session.engine != version {
-        return Err(ExperimentError::unfit(
+        return Err(Error::unfit(
             &folder.join(SESSION_FILE),
             format!(
                 "it was begun with MuJoCo {}, and this is {version}: go on with that one, or babble anew",
@@ -335,7 +331,7 @@ pub(super) fn check_same(
         || session.agent.creature() != embodied.creature()
         || written(session.agent.skin()) != written(embodied.agent().skin())
     {
-        return Err(ExperimentError::unfit(
+        return Err(Error::unfit(
             model,
             format!(
                 "it has changed since the session in {} was begun: put it back as it was, or babble anew",

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Action, BOUTS_FILE, RecordError, files, write_whole};
+use super::{BOUTS_FILE, files, write_whole};
+use crate::error::Error;
 use crate::simulation::Effort;
 
 /// A line of [`BOUTS_FILE`].
@@ -71,10 +72,10 @@ impl BoutLog {
     /// Begins the log in `folder`, or goes on with the first `bouts` lines of what is there.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where it cannot be written.
-    pub fn go_on(folder: &Path, bouts: &[BoutLine]) -> Result<BoutLog, RecordError> {
+    /// If it cannot be written.
+    pub fn go_on(folder: &Path, bouts: &[BoutLine]) -> Result<BoutLog, Error> {
         let path = folder.join(BOUTS_FILE);
-        let io = || RecordError::io(&path, Action::Write);
+        let io = || Error::unwritable(&path);
         let mut text = Vec::new();
         bouts.iter().try_for_each(|bout| write(&mut text, bout)).map_err(io())?;
         write_whole(&path, &text).map_err(io())?;
@@ -85,19 +86,19 @@ impl BoutLog {
     /// Adds a bout.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where it cannot be written.
-    pub fn write(&mut self, bout: &BoutLine) -> Result<(), RecordError> {
+    /// If it cannot be written.
+    pub fn write(&mut self, bout: &BoutLine) -> Result<(), Error> {
         let mut line = Vec::new();
         let written = write(&mut line, bout).and_then(|()| self.file.write_all(&line));
-        written.map_err(RecordError::io(&self.path, Action::Write))
+        written.map_err(Error::unwritable(&self.path))
     }
 
     /// Ends the log and waits until it is on the disk.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the system cannot store it.
-    pub fn finish(self) -> Result<(), RecordError> {
-        self.file.sync_all().map_err(RecordError::io(&self.path, Action::Write))
+    /// If the system cannot store it.
+    pub fn finish(self) -> Result<(), Error> {
+        self.file.sync_all().map_err(Error::unwritable(&self.path))
     }
 }
 
@@ -111,11 +112,11 @@ fn write(to: &mut Vec<u8>, bout: &BoutLine) -> io::Result<()> {
 /// killed process or a power failure leaves it, is left out.
 ///
 /// # Errors
-/// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where a line is no bout's.
-pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, RecordError> {
+/// If it cannot be read, or if a line is no bout's.
+pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, Error> {
     let path = folder.join(BOUTS_FILE);
     let bytes = match files::read(&path) {
-        Err(RecordError::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+        Err(error) if error.system() == Some(io::ErrorKind::NotFound) => {
             return Ok(Vec::new());
         }
         read => read?,
@@ -126,7 +127,7 @@ pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, RecordError> {
     for (k, bout) in reader.deserialize().enumerate() {
         let refuse = |what: String| {
             let mend = "remove the share's folder and make the share again";
-            RecordError::format(&path, Some(k + 1), format!("{what}: {mend}"))
+            Error::content(&path, Some(k + 1), format!("{what}: {mend}"))
         };
         let bout: BoutLine = bout.map_err(|error| refuse(format!("it is no bout ({error})")))?;
         if bouts.last().is_some_and(|last: &BoutLine| last.bout >= bout.bout) {

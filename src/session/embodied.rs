@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::error::ExperimentError;
 use super::observer::Observer;
 use crate::agent::Agent;
 use crate::babbling::Babbler;
 use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures};
+use crate::error::Error;
 use crate::ground_truth::GroundTruth;
 use crate::mujoco::Model;
 use crate::simulation::{MotionName, Movers};
@@ -49,7 +49,7 @@ impl ModelSource {
     ///
     /// # Errors
     /// Where the file is not one that the engine takes.
-    pub fn read(&self, observer: &dyn Observer) -> Result<Model, ExperimentError> {
+    pub fn read(&self, observer: &dyn Observer) -> Result<Model, Error> {
         let read = if self.textures { Model::read_with_textures } else { Model::read };
         let (model, left_out) = read(&self.model)?;
         if let Some(words) = left_out.in_words() {
@@ -68,8 +68,8 @@ impl ModelSource {
     ///
     /// # Errors
     /// Where there is none that can learn.
-    pub fn body_in(&self, model: Arc<Model>) -> Result<Body, ExperimentError> {
-        Body::rooted(model, &self.joints, self.root.as_deref()).map_err(ExperimentError::body(&self.model))
+    pub fn body_in(&self, model: Arc<Model>) -> Result<Body, Error> {
+        Body::rooted(model, &self.joints, self.root.as_deref()).map_err(Error::of_model(&self.model))
     }
 
     /// That other creatures are in the file, and how to choose one; none where there are no others, or one was chosen.
@@ -98,7 +98,7 @@ impl ModelSource {
     ///
     /// # Errors
     /// See [`ModelSource::read`] and [`ModelSource::body_in`].
-    pub fn body(&self, observer: &dyn Observer) -> Result<Body, ExperimentError> {
+    pub fn body(&self, observer: &dyn Observer) -> Result<Body, Error> {
         self.body_in(Arc::new(self.read(observer)?))
     }
 }
@@ -110,7 +110,7 @@ impl Embodied {
     /// # Errors
     /// Where the file is not one that the engine takes, there is no creature in it that can learn, or no skin can be
     /// grown on it.
-    pub fn open(source: ModelSource, observer: &dyn Observer) -> Result<Embodied, ExperimentError> {
+    pub fn open(source: ModelSource, observer: &dyn Observer) -> Result<Embodied, Error> {
         let model = Arc::new(source.read(observer)?);
         Embodied::of_model(source, model, observer)
     }
@@ -123,14 +123,14 @@ impl Embodied {
         source: ModelSource,
         model: Arc<Model>,
         observer: &dyn Observer,
-    ) -> Result<Embodied, ExperimentError> {
+    ) -> Result<Embodied, Error> {
         let body = source.body_in(model)?;
         if let Some(sentence) = source.others(&body) {
             observer.note(&sentence);
         }
         let (skin, _) = skin_for(&source.model, &body, observer)?;
         let agent = Agent::new(body.creature.clone(), skin);
-        let agent = agent.map_err(|error| ExperimentError::unfit(&source.model, error.to_string()))?;
+        let agent = agent.map_err(|error| Error::unfit(&source.model, error.to_string()))?;
         let truth = GroundTruth::new(&body)?;
         Ok(Embodied { source, body, agent, truth })
     }
@@ -169,9 +169,9 @@ impl Embodied {
     ///
     /// # Errors
     /// Where it has no skin, or no two of its limbs can meet.
-    pub fn babbler(&self, motion: MotionName) -> Result<Babbler<'_>, ExperimentError> {
+    pub fn babbler(&self, motion: MotionName) -> Result<Babbler<'_>, Error> {
         let movers = Movers::new(&self.body, &self.agent, motion);
-        movers.map(Babbler::new).map_err(ExperimentError::simulation(self.model()))
+        movers.map(Babbler::new).map_err(Error::of_model(self.model()))
     }
 }
 
@@ -180,12 +180,8 @@ impl Embodied {
 ///
 /// # Errors
 /// Where none can be grown.
-pub fn skin_for(
-    model: &Path,
-    body: &Body,
-    observer: &dyn Observer,
-) -> Result<(Skin, usize), ExperimentError> {
-    let (skin, own) = grow_counted(body, &GrowOptions::default()).map_err(ExperimentError::skin(model))?;
+pub fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<(Skin, usize), Error> {
+    let (skin, own) = grow_counted(body, &GrowOptions::default()).map_err(Error::of_model(model))?;
     let grown = skin.receptors.len() - own;
     let model = model.display();
     match (own, grown) {

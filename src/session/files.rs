@@ -8,33 +8,31 @@ use serde::Serialize;
 use serde_json::ser::Formatter;
 
 use super::part_file::write_whole;
-use super::{Action, RecordError};
+use crate::error::Error;
 use crate::given_file;
 
 /// Makes a folder and those above it where they are missing.
-pub(super) fn make_folder(folder: &Path) -> Result<(), RecordError> {
-    fs::create_dir_all(folder).map_err(RecordError::io(folder, Action::Write))
+pub(super) fn make_folder(folder: &Path) -> Result<(), Error> {
+    fs::create_dir_all(folder).map_err(Error::unwritable(folder))
 }
 
 /// The bytes of a file, or what comes through a pipe.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>, RecordError> {
-    given_file::read(path).map_err(RecordError::io(path, Action::Read))
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
+    given_file::read(path).map_err(Error::unreadable(path))
 }
 
 /// Opens a regular file for reading.
-pub(super) fn open(path: &Path) -> Result<File, RecordError> {
-    given_file::open(path).map_err(RecordError::io(path, Action::Read))
+pub(super) fn open(path: &Path) -> Result<File, Error> {
+    given_file::open(path).map_err(Error::unreadable(path))
 }
 
 /// Writes a value as JSON that people can read, whole or not at all.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), RecordError> {
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
     let mut json = Vec::new();
     let mut serializer = serde_json::Serializer::with_formatter(&mut json, Layout::default());
-    value
-        .serialize(&mut serializer)
-        .map_err(|error| RecordError::io(path, Action::Write)(io::Error::other(error)))?;
+    value.serialize(&mut serializer).map_err(|error| Error::unwritable(path)(io::Error::other(error)))?;
     json.push(b'\n');
-    write_whole(path, &json).map_err(RecordError::io(path, Action::Write))
+    write_whole(path, &json).map_err(Error::unwritable(path))
 }
 
 /// JSON of one field a line, with every array of plain values on one line.

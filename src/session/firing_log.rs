@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::json_lines::read_log;
 use super::stamp::Stamp;
-use super::{Action, FIRINGS_FILE, RecordError, files};
+use super::{FIRINGS_FILE, files};
+use crate::error::Error;
 use crate::senses::Firing;
-use crate::session::record_error::ContentFault;
 use crate::skin::Skin;
 
 const STAMP: Stamp = Stamp { format: "bodyschema firings", version: 1 };
@@ -45,11 +45,11 @@ impl<'a> FiringWriter<'a> {
     /// Begins the log in `folder`, which is made if missing; an older log there is overwritten.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be made.
-    pub fn create(folder: &Path, creature: &str, skin: &'a Skin) -> Result<FiringWriter<'a>, RecordError> {
+    /// If the folder or the file cannot be made.
+    pub fn create(folder: &Path, creature: &str, skin: &'a Skin) -> Result<FiringWriter<'a>, Error> {
         files::make_folder(folder)?;
         let path = folder.join(FIRINGS_FILE);
-        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
+        let file = File::create(&path).map_err(Error::unwritable(&path))?;
         let mut writer = FiringWriter { path, file: BufWriter::new(file), skin };
         writer.line(&STAMP.on(&FiringHeader { creature: creature.to_string() }))?;
         Ok(writer)
@@ -58,8 +58,8 @@ impl<'a> FiringWriter<'a> {
     /// Adds a firing of the skin's.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where writing fails.
-    pub fn write(&mut self, firing: &Firing) -> Result<(), RecordError> {
+    /// If writing fails.
+    pub fn write(&mut self, firing: &Firing) -> Result<(), Error> {
         let [first, last] = firing.span;
         let receptor = self.skin.receptors[firing.receptor].id.as_str();
         self.line(&FiringLine { receptor, first, last })
@@ -68,13 +68,13 @@ impl<'a> FiringWriter<'a> {
     /// Ends the log.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where writing fails.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        self.file.flush().map_err(RecordError::io(&self.path, Action::Write))
+    /// If writing fails.
+    pub fn finish(mut self) -> Result<(), Error> {
+        self.file.flush().map_err(Error::unwritable(&self.path))
     }
 
-    fn line(&mut self, content: &impl Serialize) -> Result<(), RecordError> {
-        let io = || RecordError::io(&self.path, Action::Write);
+    fn line(&mut self, content: &impl Serialize) -> Result<(), Error> {
+        let io = || Error::unwritable(&self.path);
         serde_json::to_writer(&mut self.file, content).map_err(|error| io()(error.into()))?;
         self.file.write_all(b"\n").map_err(io())
     }
@@ -84,16 +84,16 @@ impl<'a> FiringWriter<'a> {
 /// a killed process leaves it, and is left out then.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it is no log of
+/// If the file cannot be read; with the line, if it is no log of
 /// firings or one of a newer version, where it belongs to another creature or skin, and for any line that is no firing.
-pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firing>, RecordError> {
+pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firing>, Error> {
     let receptors: HashMap<&str, usize> =
         skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
     let check = |header: FiringHeader| match header.creature {
         found if found == creature => Ok(()),
-        found => Err(ContentFault::from(format!(
-            "its firings are of \"{found}\", not of \"{creature}\": give the log of one session"
-        ))),
+        found => {
+            Err(format!("its firings are of \"{found}\", not of \"{creature}\": give the log of one session"))
+        }
     };
     let mut firings = Vec::new();
     read_log(path, (STAMP, "firing"), check, |found| {
@@ -103,7 +103,7 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
     Ok(firings)
 }
 
-fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, ContentFault> {
+fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, String> {
     let id = &line.receptor;
     let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
         format!("the skin has no receptor \"{id}\": mend the line, or give the session it was recorded in")

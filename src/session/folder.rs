@@ -5,6 +5,7 @@
 //! files. One that ends after it leaves moves, which whoever comes next makes first: a writer by [`FolderLock::take`], a
 //! reader by [`ReadLock::take`].
 
+use crate::error::{Error, Kind};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::part_file::{MadeFolders, open_locked, sync_folder};
-use super::{Action, RecordError, SCHEMA_FILE, SPACE_FILE};
+use super::{SCHEMA_FILE, SPACE_FILE};
 
 /// The file that is locked, in a folder that is being written. It names its writer and is removed with the lock; the one
 /// that a killed process leaves is not locked.
@@ -58,7 +59,7 @@ impl FolderLock {
     ///
     /// # Errors
     /// As [`FolderLock::take`], and if the folder cannot be made.
-    pub fn make(folder: &Path) -> Result<FolderLock, RecordError> {
+    pub fn make(folder: &Path) -> Result<FolderLock, Error> {
         FolderLock::take_made(folder, MadeFolders::make(folder))
     }
 
@@ -66,15 +67,15 @@ impl FolderLock {
     ///
     /// # Errors
     /// As [`FolderLock::make`].
-    pub fn make_new(folder: &Path) -> Result<Option<FolderLock>, RecordError> {
+    pub fn make_new(folder: &Path) -> Result<Option<FolderLock>, Error> {
         match MadeFolders::make_new(folder) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(None),
             made => FolderLock::take_made(folder, made).map(Some),
         }
     }
 
-    fn take_made(folder: &Path, made: io::Result<MadeFolders>) -> Result<FolderLock, RecordError> {
-        let made = made.map_err(RecordError::io(folder, Action::Write))?;
+    fn take_made(folder: &Path, made: io::Result<MadeFolders>) -> Result<FolderLock, Error> {
+        let made = made.map_err(Error::unwritable(folder))?;
         let mut lock = FolderLock::take(folder)?;
         lock.made = made;
         Ok(lock)
@@ -84,12 +85,12 @@ impl FolderLock {
     /// their places, unfinished ones are removed.
     ///
     /// # Errors
-    /// [`RecordError::Busy`] if another process has it, [`RecordError::Io`] if it cannot be written to.
-    pub fn take(folder: &Path) -> Result<FolderLock, RecordError> {
+    /// If another process has it, or if it cannot be written to.
+    pub fn take(folder: &Path) -> Result<FolderLock, Error> {
         let path = folder.join(LOCK_FILE);
         let mut file = open_locked(&path, LETTING_GO).map_err(|error| match error.kind() {
             ErrorKind::WouldBlock => busy(folder, &path),
-            _ => RecordError::io(folder, Action::Write)(error),
+            _ => Error::unwritable(folder)(error),
         })?;
         // On a full disk the lock holds without a name, too.
         let _ = file.set_len(0).and_then(|()| file.write_all(own_name().as_bytes()));
@@ -107,8 +108,8 @@ impl FolderLock {
     /// their stead.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if the folder cannot be written to.
-    pub fn replace(&mut self, files: &[&str]) -> Result<(), RecordError> {
+    /// If the folder cannot be written to.
+    pub fn replace(&mut self, files: &[&str]) -> Result<(), Error> {
         self.part()?;
         self.replaced = Some(files.iter().map(ToString::to_string).collect());
         Ok(())
@@ -133,24 +134,24 @@ impl FolderLock {
     /// left of them without it.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if the folder cannot be written to.
-    pub fn part(&self) -> Result<&Path, RecordError> {
+    /// If the folder cannot be written to.
+    pub fn part(&self) -> Result<&Path, Error> {
         self.hidden(PART).map(|_| self.part.as_path())
     }
 
     /// A folder for what is needed for a while; it is removed with the lock.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if the folder cannot be written to.
-    pub fn scratch(&self) -> Result<PathBuf, RecordError> {
+    /// If the folder cannot be written to.
+    pub fn scratch(&self) -> Result<PathBuf, Error> {
         self.hidden(SCRATCH)
     }
 
-    fn hidden(&self, name: &str) -> Result<PathBuf, RecordError> {
+    fn hidden(&self, name: &str) -> Result<PathBuf, Error> {
         let path = self.place.join(name);
         match fs::create_dir(&path) {
             Err(error) if error.kind() != ErrorKind::AlreadyExists => {
-                Err(RecordError::io(&self.place, Action::Write)(error))
+                Err(Error::unwritable(&self.place)(error))
             }
             _ => Ok(path),
         }
@@ -160,8 +161,8 @@ impl FolderLock {
     /// there is nothing.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if a file cannot be copied.
-    pub fn keep_earlier(&self) -> Result<Option<PathBuf>, RecordError> {
+    /// If a file cannot be copied.
+    pub fn keep_earlier(&self) -> Result<Option<PathBuf>, Error> {
         let place = &self.place;
         let names = names(&self.part)?.into_iter().chain(MADE_OF_SCHEMA.map(String::from));
         let there: Vec<String> = names.filter(|name| place.join(name).is_file()).collect();
@@ -173,13 +174,13 @@ impl FolderLock {
             let copy = part.join(&name);
             let copied =
                 fs::copy(place.join(&name), &copy).and_then(|_| File::open(&copy)).and_then(|f| f.sync_all());
-            copied.map_err(RecordError::io(&copy, Action::Write))?;
+            copied.map_err(Error::unwritable(&copy))?;
         }
         let earlier = (1..)
             .map(|k: u32| place.join(format!("earlier-{k}")))
             .find(|earlier| fs::symlink_metadata(earlier).is_err())
             .expect("some number is free");
-        fs::rename(&part, &earlier).map_err(RecordError::io(&earlier, Action::Write))?;
+        fs::rename(&part, &earlier).map_err(Error::unwritable(&earlier))?;
         Ok(Some(earlier))
     }
 
@@ -187,9 +188,9 @@ impl FolderLock {
     /// there are none.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if a file cannot be stored; the folder is then as it was, or as it will be once the next command
-    /// has put it in order. [`RecordError::Busy`] if the folder is read for too long.
-    pub fn commit(&self) -> Result<(), RecordError> {
+    /// If a file cannot be stored; the folder is then as it was, or as it will be once the next command
+    /// has put it in order; or if the folder is read for too long.
+    pub fn commit(&self) -> Result<(), Error> {
         if !self.part.exists() {
             return Ok(());
         }
@@ -199,15 +200,15 @@ impl FolderLock {
         let old = self.replaced.iter().flatten().cloned().chain(of_schema);
         let removed: String = old.filter(|name| !new.contains(name)).map(|name| name + "\n").collect();
         let list = self.part.join(REMOVED);
-        fs::write(&list, removed).map_err(RecordError::io(&list, Action::Write))?;
+        fs::write(&list, removed).map_err(Error::unwritable(&list))?;
         for path in new.iter().map(|name| self.part.join(name)).chain([list]) {
             let stored = File::open(&path).and_then(|file| file.sync_all());
-            stored.map_err(RecordError::io(&path, Action::Write))?;
+            stored.map_err(Error::unwritable(&path))?;
         }
-        sync_folder(&self.part).map_err(RecordError::io(&self.part, Action::Write))?;
+        sync_folder(&self.part).map_err(Error::unwritable(&self.part))?;
         let _alone = wait_for_readers(&self.place)?;
         let begun = fs::rename(&self.part, self.place.join(WHOLE)).and_then(|()| sync_folder(&self.place));
-        begun.map_err(RecordError::io(&self.place, Action::Write))?;
+        begun.map_err(Error::unwritable(&self.place))?;
         put_in_place(&self.place)
     }
 }
@@ -236,8 +237,8 @@ impl ReadLock {
     /// that does not exist is no error: whoever reads a file of it reports that.
     ///
     /// # Errors
-    /// [`RecordError::Format`] if a process was killed while it replaced files, and that cannot be completed here.
-    pub fn take(folder: &Path) -> Result<ReadLock, RecordError> {
+    /// If a process was killed while it replaced files, and that cannot be completed here.
+    pub fn take(folder: &Path) -> Result<ReadLock, Error> {
         let began = Instant::now();
         loop {
             let Ok(opened) = File::open(folder) else { return Ok(ReadLock { _folder: None }) };
@@ -248,14 +249,14 @@ impl ReadLock {
             drop(opened);
             match FolderLock::take(folder) {
                 // The one that has it may be just putting it in order.
-                Err(RecordError::Busy { .. }) if began.elapsed() < PATIENCE => sleep(LOOKED_EVERY),
+                Err(error) if error.is_busy() && began.elapsed() < PATIENCE => sleep(LOOKED_EVERY),
                 Ok(_) => {}
                 Err(error) => {
                     let message = format!(
                         "a process was killed while it put new files in their places, and the rest cannot be done ({error}): \
                          give any command on this folder as one who may write to it"
                     );
-                    return Err(RecordError::format(folder, None, message));
+                    return Err(Error::content(folder, None, message));
                 }
             }
         }
@@ -263,8 +264,8 @@ impl ReadLock {
 }
 
 /// Waits until nobody reads a folder, and keeps readers away while the result lives, as far as there are locks on folders.
-fn wait_for_readers(folder: &Path) -> Result<Option<File>, RecordError> {
-    let opened = File::open(folder).map_err(RecordError::io(folder, Action::Read))?;
+fn wait_for_readers(folder: &Path) -> Result<Option<File>, Error> {
+    let opened = File::open(folder).map_err(Error::unreadable(folder))?;
     let began = Instant::now();
     loop {
         match opened.try_lock() {
@@ -273,19 +274,17 @@ fn wait_for_readers(folder: &Path) -> Result<Option<File>, RecordError> {
             Err(TryLockError::WouldBlock) if began.elapsed() < PATIENCE => sleep(LOOKED_EVERY),
             Err(TryLockError::WouldBlock) => {
                 let what = "a process goes on reading it, so that nothing in it can be replaced: end it, and try again";
-                return Err(RecordError::Busy { folder: folder.to_path_buf(), what: what.into() });
+                return Err(Error::new(Kind::Busy, what).at(folder, None));
             }
         }
     }
 }
 
 /// Moves new files to their places once all are written. It may have been begun, and ended, at any step before.
-fn put_in_place(folder: &Path) -> Result<(), RecordError> {
+fn put_in_place(folder: &Path) -> Result<(), Error> {
     let whole = folder.join(WHOLE);
     let gone = |path: &Path| match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => {
-            Err(RecordError::io(folder, Action::Write)(error))
-        }
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::unwritable(folder)(error)),
         _ => Ok(()),
     };
     let list = whole.join(REMOVED);
@@ -293,17 +292,17 @@ fn put_in_place(folder: &Path) -> Result<(), RecordError> {
     removed.lines().try_for_each(|name| gone(&folder.join(name)))?;
     for name in names(&whole)? {
         let place = folder.join(&name);
-        fs::rename(whole.join(name), &place).map_err(RecordError::io(&place, Action::Write))?;
+        fs::rename(whole.join(name), &place).map_err(Error::unwritable(&place))?;
     }
-    sync_folder(folder).map_err(RecordError::io(folder, Action::Write))?;
+    sync_folder(folder).map_err(Error::unwritable(folder))?;
     gone(&list)?;
-    fs::remove_dir(&whole).map_err(RecordError::io(folder, Action::Write))
+    fs::remove_dir(&whole).map_err(Error::unwritable(folder))
 }
 
 /// The names of new files.
-fn names(folder: &Path) -> Result<Vec<String>, RecordError> {
+fn names(folder: &Path) -> Result<Vec<String>, Error> {
     let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-    let entries = entries.map_err(RecordError::io(folder, Action::Read))?;
+    let entries = entries.map_err(Error::unreadable(folder))?;
     let names = entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = names.filter(|name| name != REMOVED).collect();
     names.sort();
@@ -337,11 +336,11 @@ fn own_name() -> String {
 }
 
 /// Which process holds a lock, as its file says.
-fn busy(folder: &Path, lock: &Path) -> RecordError {
+fn busy(folder: &Path, lock: &Path) -> Error {
     sleep(NAMING);
     let name = fs::read_to_string(lock).unwrap_or_default();
     let name: String = name.chars().filter(|letter| !letter.is_control()).collect();
     let holder = if name.is_empty() { "another process".to_string() } else { name };
     let what = format!("{holder} is writing it: wait for its end, or give another folder");
-    RecordError::Busy { folder: folder.to_path_buf(), what }
+    Error::new(Kind::Busy, what).at(folder, None)
 }

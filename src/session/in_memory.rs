@@ -3,16 +3,15 @@
 use std::path::Path;
 
 use super::embodied::{Embodied, ModelSource};
-use super::error::ExperimentError;
 use super::learning_options::LearningOptions;
 use super::touches::all_touches;
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, Made, Policy, PolicyName};
+use crate::error::Error;
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::learning::{Learned, Learner};
 use crate::peripersonal::OwnBody;
 use crate::senses::Touch;
-use crate::session::RecordError;
 use crate::simulation::MotionName;
 
 /// The seed where none is chosen.
@@ -24,7 +23,7 @@ impl Agent {
     /// # Errors
     /// Where the file is not one that the engine takes, there is no creature in it that can learn, or no skin can be
     /// grown on it.
-    pub fn from_mjcf(model: impl AsRef<Path>) -> Result<Embodied, ExperimentError> {
+    pub fn from_mjcf(model: impl AsRef<Path>) -> Result<Embodied, Error> {
         Embodied::open(ModelSource::new(model.as_ref()), &())
     }
 }
@@ -48,7 +47,7 @@ impl Embodied {
     ///
     /// # Errors
     /// Where nothing of it can touch anything, and where the engine fails.
-    pub fn babble(self, touches: usize) -> Result<Babbled, ExperimentError> {
+    pub fn babble(self, touches: usize) -> Result<Babbled, Error> {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
         self.babble_by(
             PolicyName::Random,
@@ -66,7 +65,7 @@ impl Embodied {
         policy: PolicyName,
         motion: MotionName,
         options: &BabblingOptions,
-    ) -> Result<Babbled, ExperimentError> {
+    ) -> Result<Babbled, Error> {
         let babbler = self.babbler(motion)?;
         let (touches, _) = all_touches(self.model(), &babbler, policy, options)?;
         drop(babbler);
@@ -77,20 +76,16 @@ impl Embodied {
     ///
     /// # Errors
     /// See [`Embodied::babble`].
-    pub fn babble_with(
-        self,
-        policy: &mut dyn Policy,
-        options: &BabblingOptions,
-    ) -> Result<Babbled, ExperimentError> {
+    pub fn babble_with(self, policy: &mut dyn Policy, options: &BabblingOptions) -> Result<Babbled, Error> {
         let mut touches = Vec::with_capacity(options.touches);
         let babbler = self.babbler(MotionName::default())?;
-        let receive = |made: Made| -> Result<(), RecordError> {
+        let receive = |made: Made| -> Result<(), Error> {
             if let Made::Touch(touch) = made {
                 touches.push(touch.clone());
             }
             Ok(())
         };
-        babbler.babble_with(policy, options, receive).map_err(ExperimentError::babbling(self.model()))?;
+        babbler.babble_with(policy, options, receive).map_err(Error::of_model(self.model()))?;
         drop(babbler);
         Ok(Babbled { embodied: self, touches, seed: options.seed })
     }
@@ -111,7 +106,7 @@ impl Babbled {
     ///
     /// # Errors
     /// Where there is no touch to learn from.
-    pub fn learn(self) -> Result<LearnedBody, ExperimentError> {
+    pub fn learn(self) -> Result<LearnedBody, Error> {
         self.learn_by(&LearningOptions::default())
     }
 
@@ -119,7 +114,7 @@ impl Babbled {
     ///
     /// # Errors
     /// Where there is no touch to learn from, or the options are not for this creature.
-    pub fn learn_by(self, options: &LearningOptions) -> Result<LearnedBody, ExperimentError> {
+    pub fn learn_by(self, options: &LearningOptions) -> Result<LearnedBody, Error> {
         options.check(self.embodied.creature())?;
         let learned = {
             let agent = self.embodied.agent();
@@ -137,7 +132,7 @@ impl Babbled {
     pub fn learn_with<'a, L: Learner + 'a>(
         &'a self,
         make: impl FnOnce(&'a Agent) -> L,
-    ) -> Result<(Learned, Evaluation), ExperimentError> {
+    ) -> Result<(Learned, Evaluation), Error> {
         let mut learner = make(self.embodied.agent());
         let learned = learn_from(self.embodied.agent(), &mut learner, &self.touches)?;
         let evaluation = evaluate_learned(self.embodied.agent(), self.embodied.truth(), &learned);
@@ -145,13 +140,9 @@ impl Babbled {
     }
 }
 
-fn learn_from(
-    agent: &Agent,
-    learner: &mut dyn Learner,
-    touches: &[Touch],
-) -> Result<Learned, ExperimentError> {
+fn learn_from(agent: &Agent, learner: &mut dyn Learner, touches: &[Touch]) -> Result<Learned, Error> {
     if touches.is_empty() {
-        return Err(ExperimentError::refused("there is no touch to learn from: babble some first"));
+        return Err(Error::no_touch());
     }
     touches.iter().for_each(|touch| learner.touch(touch));
     Ok(learner.learn().with_made(agent, touches))

@@ -1,13 +1,13 @@
 //! Logs of a session: a header line, then a line of JSON each.
 
+use crate::error::{Error, json_reason};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::record_error::{ContentFault, json_reason};
+use super::files;
 use super::stamp::Stamp;
-use super::{Action, RecordError, files};
 
 /// How a log ends that was not ended; all of it is left out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,16 +21,16 @@ pub(super) struct LogEnd {
 /// Reads a log of lines that each hold a `what`: checks its header, and hands on what each further line holds.
 ///
 /// # Errors
-/// [`RecordError::Io`] if the file cannot be read, [`RecordError::Format`], with the line, if one holds something
+/// If the file cannot be read, or, with the line, if one holds something
 /// else, or `check` or `take` refuses it.
 pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
     path: &Path,
     (stamp, what): (Stamp, &str),
-    check: impl FnOnce(H) -> Result<(), ContentFault>,
-    mut take: impl FnMut(T) -> Result<(), ContentFault>,
-) -> Result<LogEnd, RecordError> {
-    let io = || RecordError::io(path, Action::Read);
-    let refuse = |line: usize| move |fault: ContentFault| RecordError::format(path, Some(line), fault);
+    check: impl FnOnce(H) -> Result<(), String>,
+    mut take: impl FnMut(T) -> Result<(), String>,
+) -> Result<LogEnd, Error> {
+    let io = || Error::unreadable(path);
+    let refuse = |line: usize| move |fault: String| Error::content(path, Some(line), fault);
     let mut file = BufReader::new(files::open(path)?);
     let (mut json, mut end) = (Vec::new(), LogEnd::default());
     file.read_until(b'\n', &mut json).map_err(io())?;
@@ -64,14 +64,14 @@ pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
 /// The header of a log, on a line of it.
 ///
 /// # Errors
-/// [`RecordError::Format`] if it has another stamp or content.
+/// If it has another stamp or content.
 pub(super) fn read_header<H: DeserializeOwned>(
     path: &Path,
     stamp: Stamp,
     line: usize,
     json: &[u8],
-) -> Result<H, RecordError> {
-    let refuse = |message: String| RecordError::format(path, Some(line), message);
+) -> Result<H, Error> {
+    let refuse = |message: String| Error::content(path, Some(line), message);
     if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
         return Err(refuse("there is no header: give a whole log, or record again".into()));
     }

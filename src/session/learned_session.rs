@@ -4,13 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::babbling::BabbledSession;
-use super::error::ExperimentError;
 use super::learning_account::{changes, facts, sentence};
 use super::learning_options::LearningOptions;
 use super::observer::{LearningStep, Observer, Phase};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::{Limit, apart, count};
+use crate::error::Error;
 use crate::evaluation::{Evaluation, OwnAccount, Progress, Summary, evaluate, evaluate_learned};
 use crate::export::to_mjcf;
 use crate::ground_truth::GroundTruth;
@@ -18,8 +18,8 @@ use crate::learning::{Expectation, Learned, Learner, LimbFrames, SkinKnowledge};
 use crate::schema::BodySchema;
 use crate::senses::{DisturbedSenses, Touch};
 use crate::session::{
-    Action, Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, LearningTable, PROGRAM, RecordError,
-    RecordedAccount, SCHEMA_FILE, Session, write_schema_with_std, write_whole,
+    Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, LearningTable, PROGRAM, RecordedAccount,
+    SCHEMA_FILE, Session, write_schema_with_std, write_whole,
 };
 
 /// What learning from a session came to.
@@ -57,7 +57,7 @@ pub fn learn_session(
     truth: Option<&GroundTruth>,
     command: &[String],
     observer: &dyn Observer,
-) -> Result<LearnedSession, ExperimentError> {
+) -> Result<LearnedSession, Error> {
     let BabbledSession { session, touches, grown } = babbled;
     let agent = &session.agent;
     let creature = agent.creature();
@@ -92,8 +92,7 @@ pub fn learn_session(
         run.look(&now, learned, learner.schema(), observer)?;
     }
     let LearningRun { passed, seconds, result, .. } = run;
-    let (learned, evaluation) = result
-        .ok_or_else(|| ExperimentError::refused("there is no touch to learn from: babble some first"))?;
+    let (learned, evaluation) = result.ok_or_else(Error::no_touch)?;
     let undisturbed_heldout_mm = truth.filter(|_| !disturbances.is_none()).map(|truth| {
         observer.phase(Phase::LearningUndisturbed);
         let mut learner = options.learner(agent, session.seed);
@@ -157,12 +156,12 @@ fn write(
     learned: &Learned,
     agent: &Agent,
     record: &LearningRecord,
-) -> Result<(), ExperimentError> {
+) -> Result<(), Error> {
     let std = learned.schema_std(creature);
     write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     let path = folder.join(LEARNED_FILE);
     let model = to_mjcf(agent, &learned.schema);
-    write_whole(&path, model.as_bytes()).map_err(RecordError::io(&path, Action::Write))?;
+    write_whole(&path, model.as_bytes()).map_err(Error::unwritable(&path))?;
     Ok(record.write(folder, creature)?)
 }
 
@@ -196,7 +195,7 @@ impl<'a> LearningRun<'a> {
         touches: usize,
         options: &LearningOptions,
         truth: Option<&'a GroundTruth>,
-    ) -> Result<LearningRun<'a>, ExperimentError> {
+    ) -> Result<LearningRun<'a>, Error> {
         let given = options.givens();
         // Without the truth a fit on the way tells nothing that the last does not.
         let checkpoints = match truth {
@@ -223,7 +222,7 @@ impl<'a> LearningRun<'a> {
     }
 
     /// Takes down what a learner believed on its way.
-    fn pass(&mut self, way: &[(usize, BodySchema)]) -> Result<(), ExperimentError> {
+    fn pass(&mut self, way: &[(usize, BodySchema)]) -> Result<(), Error> {
         for (touches, schema) in way {
             let evaluation = self.truth.map(|truth| evaluate(&self.session.agent, truth, schema, &[]));
             self.table.row(&row_of(*touches, evaluation.as_ref()))?;
@@ -239,7 +238,7 @@ impl<'a> LearningRun<'a> {
         learned: Option<Learned>,
         schema: Option<&BodySchema>,
         observer: &dyn Observer,
-    ) -> Result<(), ExperimentError> {
+    ) -> Result<(), Error> {
         let expected = now.expected;
         let schema = learned.as_ref().map(|learned| &learned.schema).or(schema);
         let shown = now.due || now.last;

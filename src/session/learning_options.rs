@@ -7,12 +7,12 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
 use super::disturbance_levels::DisturbanceLevels;
-use super::error::ExperimentError;
 use super::words::listed;
 use crate::agent::Agent;
 use crate::babbling::PolicyName;
 use crate::creature::{Creature, DofKind};
 use crate::deadline::Deadline;
+use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
@@ -101,10 +101,10 @@ impl LearningOptions {
     ///
     /// # Errors
     /// Where the file is not one for this creature, or the learner has no use for it.
-    pub fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, ExperimentError> {
+    pub fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, Error> {
         self.check_frames(creature, true)?;
         if !self.learner.uses().known_joints {
-            return Err(ExperimentError::unfit(
+            return Err(Error::unfit(
                 path,
                 format!(
                     "the learner {} takes no prior knowledge: use --learner {}, or leave out --known",
@@ -121,9 +121,9 @@ impl LearningOptions {
     ///
     /// # Errors
     /// Where limbs in frames of their own cannot be learned.
-    pub fn check(&self, creature: &Creature) -> Result<(), ExperimentError> {
+    pub fn check(&self, creature: &Creature) -> Result<(), Error> {
         if self.learner.uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
-            return Err(ExperimentError::refused(format!(
+            return Err(Error::usage(format!(
                 "--learner {} learns by the surfaces under receptors: leave out --skin, or use --learner {}",
                 self.learner.name(),
                 LEARNERS[0].name()
@@ -133,11 +133,11 @@ impl LearningOptions {
     }
 
     /// Whether the limbs' frames can be found, where joints are known a priori or not.
-    fn check_frames(&self, creature: &Creature, known: bool) -> Result<(), ExperimentError> {
+    fn check_frames(&self, creature: &Creature, known: bool) -> Result<(), Error> {
         if self.frames == LimbFrames::Joint {
             return Ok(());
         }
-        let refuse = |why: &str| Err(ExperimentError::refused(format!("--frames limb: {why}")));
+        let refuse = |why: &str| Err(Error::usage(format!("--frames limb: {why}")));
         if !self.learner.uses().limb_frames {
             let able = learners_that(|uses| uses.limb_frames);
             return refuse(&format!("only the learner {able} finds the limbs' frames: use --learner {able}"));
@@ -164,11 +164,11 @@ impl LearningOptions {
     ///
     /// # Errors
     /// Where receptors are asked for and the recording has none.
-    pub fn for_session(&self, session: &Session) -> Result<LearningOptions, ExperimentError> {
+    pub fn for_session(&self, session: &Session) -> Result<LearningOptions, Error> {
         let Some(recording) = &session.recording else { return Ok(self.clone()) };
         let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
         if self.input == Some(Input::Receptor) && session.agent.skin().receptors.iter().any(bare) {
-            return Err(ExperimentError::unfit(
+            return Err(Error::unfit(
                 Path::new(&recording.log),
                 "its touches are points on limbs without a skin: use --input contact, or leave out --input",
             ));

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::account::{AccountEntry, RecordedAccount};
 use super::schema::{JointEntry, joint_entries, schema_of_joints};
 use super::stamp::Stamp;
-use super::{Host, LEARNED_RECORD_FILE, RecordError, files};
+use super::{Host, LEARNED_RECORD_FILE, files};
 use crate::creature::Creature;
+use crate::error::Error;
 use crate::evaluation::CramerRaoBound;
 use crate::learning::{Account, Certainty};
 use crate::schema::BodySchema;
@@ -178,8 +179,8 @@ impl LearningRecord {
     /// Writes [`LEARNED_RECORD_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be written.
-    pub fn write(&self, folder: &Path, creature: &Creature) -> Result<(), RecordError> {
+    /// If the folder or the file cannot be written.
+    pub fn write(&self, folder: &Path, creature: &Creature) -> Result<(), Error> {
         let entry = |checkpoint: &Checkpoint| CheckpointEntry {
             touches: checkpoint.touches,
             error_rms_mm: checkpoint.error_rms.filter(|error| error.is_finite()),
@@ -203,15 +204,15 @@ impl LearningRecord {
     /// there was one.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where it is no such record, one of a
+    /// If it cannot be read, or if it is no such record, one of a
     /// newer version, or of another creature.
-    pub fn read(folder: &Path, creature: &Creature) -> Result<Option<LearningRecord>, RecordError> {
+    pub fn read(folder: &Path, creature: &Creature) -> Result<Option<LearningRecord>, Error> {
         let path = folder.join(LEARNED_RECORD_FILE);
         if !path.exists() {
             return Ok(None);
         }
         let content: LearningFile = STAMP.read(&path, "record of learning")?;
-        let refuse = |message: String| RecordError::format(&path, None, message);
+        let refuse = |message: String| Error::content(&path, None, message);
         if content.creature != creature.name() {
             return Err(refuse(format!(
                 "it is of \"{}\", not of \"{}\": learn again with `bodyschema learn`",

@@ -1,12 +1,13 @@
 //! The table of how learning went: a row per checkpoint.
 
+use crate::error::Error;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Action, LEARNING_FILE, RecordError, files};
+use super::{LEARNING_FILE, files};
 
 /// Touches of a log at the most.
 const MOST_TOUCHES: usize = 100_000_000;
@@ -66,23 +67,23 @@ impl LearningTable {
     /// Begins the table in a session's folder; an older one there is overwritten.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if the folder or the file cannot be made.
-    pub fn create(folder: &Path) -> Result<LearningTable, RecordError> {
+    /// If the folder or the file cannot be made.
+    pub fn create(folder: &Path) -> Result<LearningTable, Error> {
         let path = folder.join(LEARNING_FILE);
         files::make_folder(folder)?;
-        let file = File::create(&path).map_err(RecordError::io(&path, Action::Write))?;
+        let file = File::create(&path).map_err(Error::unwritable(&path))?;
         Ok(LearningTable { path, writer: csv::Writer::from_writer(file) })
     }
 
     /// Adds a row. A number that no measure can have leaves its cell empty.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if writing fails.
-    pub fn row(&mut self, row: &LearningRow) -> Result<(), RecordError> {
+    /// If writing fails.
+    pub fn row(&mut self, row: &LearningRow) -> Result<(), Error> {
         let mut row = row.clone();
         row.numbers().into_iter().for_each(|number| *number = number.filter(|x| x.abs() <= GREATEST));
         let written = self.writer.serialize(&row).map_err(io::Error::other);
-        written.and_then(|()| self.writer.flush()).map_err(RecordError::io(&self.path, Action::Write))
+        written.and_then(|()| self.writer.flush()).map_err(Error::unwritable(&self.path))
     }
 }
 
@@ -123,8 +124,8 @@ impl LearningRow {
 /// Reads [`LEARNING_FILE`] of a session's folder; nothing if there is no such file.
 ///
 /// # Errors
-/// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`], with the line, if it is no such table.
-pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, RecordError> {
+/// If it cannot be read, or, with the line, if it is no such table.
+pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
     let path = folder.join(LEARNING_FILE);
     if !path.exists() {
         return Ok(Vec::new());
@@ -132,7 +133,7 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, RecordErro
     let bytes = files::read(&path)?;
     let refuse = |line: usize, what: String| {
         let mend = "learn again with `bodyschema learn`, which writes the table anew";
-        RecordError::format(&path, Some(line), format!("{what}: {mend}"))
+        Error::content(&path, Some(line), format!("{what}: {mend}"))
     };
     let mut rows: Vec<LearningRow> = Vec::new();
     for (k, row) in csv::Reader::from_reader(&bytes[..]).deserialize().enumerate() {
@@ -159,7 +160,7 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, RecordErro
 ///
 /// # Errors
 /// As [`read_learning_table`].
-pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, RecordError> {
+pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, Error> {
     let prediction = |row: LearningRow| {
         let (gap, deviation) = (row.predicted_gap_mm?, row.predicted_deviation_mm?);
         Some(Prediction { touch: row.touches, gap, deviation })

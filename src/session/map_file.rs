@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::RecordError;
 use super::stamp::Stamp;
+use crate::error::Error;
 use crate::skin::{MOST_NEIGHBOURS, Skin, SomatotopicMap};
 
 const STAMP: Stamp = Stamp { format: "bodyschema map", version: 1 };
@@ -23,8 +23,8 @@ struct MapContent {
 /// Writes a map of a creature's skin to `path`: per receptor its neighbours, nearest first.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be written.
-pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap) -> Result<(), RecordError> {
+/// If the file cannot be written.
+pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap) -> Result<(), Error> {
     let id = |receptor: usize| skin.receptors[receptor].id.clone();
     let of = |receptor: usize| map.neighbours(receptor).iter().map(|&other| id(other)).collect();
     let neighbours = (0..map.receptors()).map(|receptor| (id(receptor), of(receptor))).collect();
@@ -34,12 +34,12 @@ pub fn write_map(path: &Path, creature: &str, skin: &Skin, map: &SomatotopicMap)
 /// Reads the map of a creature's skin from `path`.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`] where it is no map or one of a newer
+/// If the file cannot be read; or if it is no map or one of a newer
 /// version, where it is of another creature or names other receptors than the skin has, where a receptor has more than eight neighbours, or is its own, and where one of two receptors has the other for a neighbour, but not
 /// the other way round.
-pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicMap, RecordError> {
+pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicMap, Error> {
     let read: MapContent = STAMP.read(path, "map of neighbours")?;
-    let refuse = |message: String| Err(RecordError::format(path, None, message));
+    let refuse = |message: String| Err(Error::content(path, None, message));
     if read.creature != creature {
         return refuse(format!(
             "it is the map of \"{}\", not of \"{creature}\": give the one that `bodyschema skin map` wrote of this creature",
@@ -56,7 +56,7 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
                     "{creature} has no receptor \"{id}\": take it out, or give the map of this skin (`bodyschema \
                      inspect` has the receptors)"
                 );
-                RecordError::format(path, None, message)
+                Error::content(path, None, message)
             })
         };
         let receptor = number(id)?;

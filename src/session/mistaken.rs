@@ -1,11 +1,12 @@
 //! What stands at a path that was given for a session's folder or for a model, and is none: in words, with the command that is
 //! meant.
 
+use crate::error::{Error, Kind};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use super::{RecordError, SESSION_FILE, SHARES_FOLDER, STUDY_FILE, Session};
+use super::{SESSION_FILE, SHARES_FOLDER, STUDY_FILE, Session};
 
 /// How models' files end.
 const MODELS: [&str; 3] = ["xml", "mjcf", "urdf"];
@@ -67,18 +68,19 @@ pub(crate) fn for_model(path: &Path) -> Option<String> {
 }
 
 /// Whether a file could not be read because there is none.
-pub(super) fn is_missing(error: &RecordError) -> bool {
+pub(super) fn is_missing(error: &Error) -> bool {
     let kinds = [ErrorKind::NotFound, ErrorKind::NotADirectory];
-    matches!(error, RecordError::Io { source, .. } if kinds.contains(&source.kind()))
+    error.system().is_some_and(|kind| kinds.contains(&kind))
 }
 
 /// Why a session has no schema, and the mend.
-pub(super) fn for_schema(folder: &Path) -> String {
+pub(super) fn for_schema(folder: &Path) -> Error {
     let place = folder.display();
-    format!(
+    let sentence = format!(
         "the session has touches, but nothing was learned from them yet: `bodyschema babble --resume {place}` goes on with one \
          that was interrupted, `bodyschema learn {place}` learns from what is there"
-    )
+    );
+    Error::new(Kind::NotLearned, sentence).at(folder, None)
 }
 
 /// The first session in a folder, by name.

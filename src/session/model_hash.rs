@@ -5,7 +5,8 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::{RecordError, files};
+use super::files;
+use crate::error::Error;
 use crate::model_files::Source;
 
 /// The SHA-256 of a model's XML, as `sha256:` and 64 hexadecimal digits.
@@ -15,8 +16,8 @@ use crate::model_files::Source;
 /// prints. Meshes and height fields are not part of it.
 ///
 /// # Errors
-/// [`RecordError`] where the file or one that it includes cannot be read, or is malformed.
-pub fn model_hash(path: &Path) -> Result<String, RecordError> {
+/// If the file or one that it includes cannot be read, or is malformed.
+pub fn model_hash(path: &Path) -> Result<String, Error> {
     let mut hash = Sha256::new();
     let bytes = files::read(path)?;
     hash.update(&bytes);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::error::ExperimentError;
 use super::words::listed;
+use crate::error::Error;
 use crate::evaluation::is_hand;
 use crate::learning::Certainty;
 use crate::peripersonal::OwnBody;
@@ -15,7 +15,7 @@ use crate::session::{
 ///
 /// # Errors
 /// Where a file of it cannot be read, or nothing was touched or learned in it.
-pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), ExperimentError> {
+pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), Error> {
     let _reading = ReadLock::take(folder)?;
     let session = Session::read(folder)?;
     let agent = &session.agent;
@@ -23,10 +23,7 @@ pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), ExperimentError> {
     let log = read_touches(&folder.join(TOUCHES_FILE), agent)?;
     let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
     if log.touches.is_empty() {
-        return Err(ExperimentError::Refused(format!(
-            "{}: there is no touch in it: babble some first",
-            folder.display()
-        )));
+        return Err(Error::no_touch().at(folder, None));
     }
     let record = LearningRecord::read(folder, creature)?;
     let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
@@ -38,7 +35,7 @@ pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), ExperimentError> {
 ///
 /// # Errors
 /// Where a file of it cannot be read.
-pub fn learned_body(folder: &Path) -> Result<OwnBody, ExperimentError> {
+pub fn learned_body(folder: &Path) -> Result<OwnBody, Error> {
     let _reading = ReadLock::take(folder)?;
     let session = Session::read(folder)?;
     let creature = session.agent.creature();
@@ -52,7 +49,7 @@ pub fn learned_body(folder: &Path) -> Result<OwnBody, ExperimentError> {
 ///
 /// # Errors
 /// Where a name is of no such limb, or there is none.
-pub fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, ExperimentError> {
+pub fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, Error> {
     let limbs = own.creature().limbs();
     let touching: Vec<String> =
         (1..limbs.len()).filter(|&limb| own.tip_of(limb).is_some()).map(|limb| limbs[limb].clone()).collect();
@@ -60,13 +57,13 @@ pub fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, ExperimentEr
         let limb = own.creature().limb(name).filter(|limb| touching.contains(&limbs[*limb]));
         let choice = listed(&touching);
         limb.ok_or_else(|| {
-            ExperimentError::Refused(format!(
+            Error::usage(format!(
                 "--hand {name}: there is no such limb with receptors: choose one of {choice}"
             ))
         })
     };
     if !names.is_empty() {
-        let mut hands = names.iter().map(named).collect::<Result<Vec<usize>, ExperimentError>>()?;
+        let mut hands = names.iter().map(named).collect::<Result<Vec<usize>, Error>>()?;
         hands.dedup();
         return Ok(hands);
     }
@@ -75,7 +72,7 @@ pub fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, ExperimentEr
         .collect();
     let hands: Vec<usize> = hands.into_iter().filter(|&limb| touching.contains(&limbs[limb])).collect();
     if hands.is_empty() {
-        return Err(ExperimentError::Refused(format!(
+        return Err(Error::usage(format!(
             "{} has no limb with receptors whose name ends in hand: name one with --hand, of {}",
             own.creature().name(),
             listed(&touching)

@@ -6,8 +6,9 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
-use super::{BabblingEffort, PROGRESS_FILE, RecordError};
+use super::{BabblingEffort, PROGRESS_FILE};
 use crate::babbling::BoutsDone;
+use crate::error::Error;
 
 const STAMP: Stamp = Stamp { format: "bodyschema babbling", version: 1 };
 
@@ -37,8 +38,8 @@ impl BabblingProgress {
     /// Writes [`PROGRESS_FILE`] into `folder`, whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the file cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
+    /// If the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         STAMP.write(&folder.join(PROGRESS_FILE), self)
     }
 

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::babbling::Provenance;
-use super::error::ExperimentError;
 use super::learning_options::LearningOptions;
 use super::observer::Observer;
 use crate::agent::Agent;
+use crate::error::Error;
 use crate::senses::Touch;
 use crate::session::{
     Host, PROGRAM, RecordingFiles, Session, SessionOptions, TouchWriter, read_creature, read_recording,
@@ -44,7 +44,7 @@ impl RecordedSession {
         learning: &LearningOptions,
         provenance: Provenance,
         observer: &dyn Observer,
-    ) -> Result<RecordedSession, ExperimentError> {
+    ) -> Result<RecordedSession, Error> {
         let described = read_creature(&source.creature)?;
         let recording = read_recording(&source.log, &described.agent)?;
         for note in &recording.notes {
@@ -54,7 +54,7 @@ impl RecordedSession {
         touches.truncate(most);
         let creature = recording.agent.creature().visited(touches.iter().map(|touch| &touch.posture));
         let agent = Agent::new(creature, recording.agent.skin().clone())
-            .map_err(|error| ExperimentError::refused(error.to_string()))?;
+            .map_err(|error| Error::usage(error.to_string()))?;
         let path = |path: &Path| path.display().to_string();
         let session = Session {
             program: PROGRAM.to_string(),
@@ -83,7 +83,7 @@ impl RecordedSession {
     ///
     /// # Errors
     /// Where a file cannot be written, or there is a log in the folder already.
-    pub fn write(&self, folder: &Path) -> Result<(), ExperimentError> {
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let mut writer = TouchWriter::create(folder, &self.session.agent)?;
         for touch in &self.touches {
             writer.write(touch)?;

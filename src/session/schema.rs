@@ -6,10 +6,10 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 
-use super::record_error::ContentFault;
 use super::stamp::Stamp;
-use super::{RecordError, SESSION_FILE, UNIT_LENGTH, fields::check_fields, files, mistaken};
+use super::{SESSION_FILE, UNIT_LENGTH, fields::check_fields, files, mistaken};
 use crate::creature::{Creature, Dof, DofKind, Joint};
+use crate::error::Error;
 use crate::geometry::Frame;
 use crate::learning::KnownJoint;
 use crate::plausible::{GREATEST_LEARNED, GREATEST_LENGTH, is_deviation};
@@ -101,30 +101,30 @@ struct Found {
 /// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
 ///
 /// # Errors
-/// [`RecordError::Io`] if the file cannot be written, [`RecordError::Format`] for a schema that
+/// If the file cannot be written, and for a schema that
 /// could not be read again: of another shape than the creature's, not finite, or with axes that are
 /// not of unit length.
-pub fn write_schema(path: &Path, creature: &Creature, schema: &BodySchema) -> Result<(), RecordError> {
+pub fn write_schema(path: &Path, creature: &Creature, schema: &BodySchema) -> Result<(), Error> {
     write_schema_with_std(path, creature, schema, None)
 }
 
 /// Like [`write_schema`], with the standard deviations of the positions and axes if these are known.
 ///
 /// # Errors
-/// Those of [`write_schema`], and [`RecordError::Format`] for deviations of another shape than the
+/// Those of [`write_schema`], and for deviations of another shape than the
 /// creature's.
 pub fn write_schema_with_std(
     path: &Path,
     creature: &Creature,
     schema: &BodySchema,
     std: Option<&SchemaStd>,
-) -> Result<(), RecordError> {
+) -> Result<(), Error> {
     let shape = |std: &SchemaStd| (std.positions.len(), std.axes.len());
     if std.is_some_and(|std| shape(std) != (schema.positions.len(), schema.axes.len())) {
         let message = "the standard deviations are not those of the schema: give one for each of its numbers";
-        return Err(RecordError::format(path, None, message));
+        return Err(Error::content(path, None, message));
     }
-    check(creature, schema).map_err(|message| RecordError::format(path, None, message))?;
+    check(creature, schema).map_err(|message| Error::content(path, None, message))?;
     let joints = joint_entries(creature, schema, std);
     if let Some(folder) = path.parent() {
         files::make_folder(folder)?;
@@ -165,9 +165,9 @@ pub(super) fn joint_entries(
 /// Reads a creature's schema from the file `path`.
 ///
 /// # Errors
-/// [`RecordError::Io`] if the file cannot be read, [`RecordError::Format`] if it is no schema or one of a newer version, if its
+/// If the file cannot be read, or if it is no schema or one of a newer version, if its
 /// names are not the creature's, an axis is not of unit length, or a position or a deviation cannot be.
-pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, RecordError> {
+pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, Error> {
     Ok(read_schema_with_std(path, creature)?.0)
 }
 
@@ -178,15 +178,15 @@ pub fn read_schema(path: &Path, creature: &Creature) -> Result<BodySchema, Recor
 pub fn read_schema_with_std(
     path: &Path,
     creature: &Creature,
-) -> Result<(BodySchema, Option<SchemaStd>), RecordError> {
+) -> Result<(BodySchema, Option<SchemaStd>), Error> {
     let content: SchemaFile = STAMP.read(path, "body schema").map_err(|error| {
         let session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
         match session.filter(|_| mistaken::is_missing(&error)) {
-            Some(folder) => RecordError::format(folder, None, mistaken::for_schema(folder)),
+            Some(folder) => mistaken::for_schema(folder),
             None => error,
         }
     })?;
-    let refuse = |fault: ContentFault| RecordError::format(path, None, fault);
+    let refuse = |fault: String| Error::content(path, None, fault);
     check_creature(&content, creature).map_err(refuse)?;
     let schema = schema_of_joints(&content.joints, creature).map_err(refuse)?;
     let std = std_of(&content.joints, creature).map_err(refuse)?;
@@ -201,12 +201,12 @@ pub fn read_schema_with_std(
 /// and may then lack its position or its axes. A `schema.json` is such a file.
 ///
 /// # Errors
-/// [`RecordError::Io`] if the file cannot be read, [`RecordError::Format`] if it is no such file, has fields that
+/// If the file cannot be read, or if it is no such file, has fields that
 /// such files do not have, names what the creature has not, or gives numbers that cannot be.
-pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, RecordError> {
+pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, Error> {
     let json = files::read(path)?;
-    let refuse = |fault: ContentFault| RecordError::format(path, None, fault);
-    let unread = |error| RecordError::json(path, "object of known joints", &error);
+    let refuse = |fault: String| Error::content(path, None, fault);
+    let unread = |error| Error::json(path, "object of known joints", &error);
     let content: SchemaFile = serde_json::from_slice(&json).map_err(unread)?;
     let all: Map<String, Value> = serde_json::from_slice(&json).map_err(unread)?;
     check_all_fields(&all).map_err(refuse)?;
@@ -217,7 +217,7 @@ pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, R
     let known = found_joints(&content.joints, creature).and_then(|found| {
         let known = |(found, entry): (Found, &JointEntry)| {
             known_joint(found, entry, creature)
-                .map_err(|problem| ContentFault::from(format!("joint \"{}\" {problem}", entry.joint)))
+                .map_err(|problem| format!("joint \"{}\" {problem}", entry.joint))
         };
         found.into_iter().zip(&content.joints).map(known).collect::<Result<Vec<_>, _>>()
     });
@@ -225,7 +225,7 @@ pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, R
 }
 
 /// Refuses fields that no such file has, at any depth: a misspelt one would be ignored.
-fn check_all_fields(file: &Map<String, Value>) -> Result<(), ContentFault> {
+fn check_all_fields(file: &Map<String, Value>) -> Result<(), String> {
     check_fields(file, "", &["format", "version", "creature", "joints"])?;
     fn each<'a>(map: &'a Map<String, Value>, list: &str) -> impl Iterator<Item = &'a Map<String, Value>> {
         map.get(list).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
@@ -239,7 +239,7 @@ fn check_all_fields(file: &Map<String, Value>) -> Result<(), ContentFault> {
     Ok(())
 }
 
-fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), ContentFault> {
+fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), String> {
     match content.creature.as_ref().filter(|name| *name != creature.name()) {
         None => Ok(()),
         Some(other) => Err(format!(
@@ -251,7 +251,7 @@ fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), Conte
 }
 
 /// The joints of a file, each once.
-fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found>, ContentFault> {
+fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found>, String> {
     let mut all: Vec<Found> = Vec::with_capacity(entries.len());
     for (i, entry) in entries.iter().enumerate() {
         let name = &entry.joint;
@@ -378,10 +378,7 @@ fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String>
 }
 
 /// The schema of joints that are all of a creature's.
-pub(super) fn schema_of_joints(
-    entries: &[JointEntry],
-    creature: &Creature,
-) -> Result<BodySchema, ContentFault> {
+pub(super) fn schema_of_joints(entries: &[JointEntry], creature: &Creature) -> Result<BodySchema, String> {
     let (given, wanted) = (entries.len(), creature.joints().len());
     if given != wanted {
         let name = creature.name();
@@ -410,7 +407,7 @@ pub(super) fn schema_of_joints(
 }
 
 /// The standard deviations of all joints; `None` if none is given.
-fn std_of(entries: &[JointEntry], creature: &Creature) -> Result<Option<SchemaStd>, ContentFault> {
+fn std_of(entries: &[JointEntry], creature: &Creature) -> Result<Option<SchemaStd>, String> {
     let found = found_joints(entries, creature)?;
     let gives = |found: &Found| {
         let axes = found.axes.iter().map(|(.., std)| std.is_some());
@@ -484,7 +481,7 @@ fn known_joint(found: Found, entry: &JointEntry, creature: &Creature) -> Result<
     Ok(anything.then_some(KnownJoint { joint: found.joint, exact, position, axes }))
 }
 
-fn check(creature: &Creature, schema: &BodySchema) -> Result<(), ContentFault> {
+fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
     if !schema.fits(creature) {
         return Err(format!(
             "the schema has not {} positions and {} axes of finite numbers: give one of {}",

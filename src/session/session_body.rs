@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::embodied::ModelSource;
-use super::error::ExperimentError;
 use super::observer::Observer;
 use crate::creature::{Body, Creature, JointSelection};
+use crate::error::Error;
 use crate::session::{Session, SessionOptions, model_hash};
 
 /// A session's creature in its model, or in another that is named; with its textures where they are wanted.
@@ -18,7 +18,7 @@ pub fn session_body(
     model: Option<&Path>,
     textures: bool,
     observer: &dyn Observer,
-) -> Result<Body, ExperimentError> {
+) -> Result<Body, Error> {
     let path = model.map_or_else(|| PathBuf::from(&session.model), Path::to_path_buf);
     if session.recording.is_some() {
         // Which joints of a model a recording has is not known by the name of a set.
@@ -30,7 +30,7 @@ pub fn session_body(
                 return Ok(body);
             }
         }
-        return Err(ExperimentError::unfit(
+        return Err(Error::unfit(
             &path,
             "it has not the limbs and degrees of freedom of the recording: name a model that has, or leave out \
              --model",
@@ -43,7 +43,7 @@ pub fn session_body(
     // Who names another file vouches for it, as far as it can be told.
     let other_file = model.is_none() && model_hash(&source.model)? != session.model_hash;
     if other_file || body.creature != *session.agent.creature() {
-        return Err(ExperimentError::unfit(
+        return Err(Error::unfit(
             &source.model,
             "it is not the model that was babbled on, or it has changed since: name the right one with --model",
         ));

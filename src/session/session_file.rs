@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::stamp::Stamp;
-use super::{Host, RecordError, SESSION_FILE, files, mistaken};
-use crate::agent::{Agent, AgentError};
+use super::{Host, SESSION_FILE, files, mistaken};
+use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::Limit;
+use crate::error::Error;
 use crate::simulation::Effort;
 use crate::skin::Skin;
 
@@ -98,9 +99,9 @@ impl From<Session> for SessionFile {
 }
 
 impl TryFrom<SessionFile> for Session {
-    type Error = AgentError;
+    type Error = Error;
 
-    fn try_from(file: SessionFile) -> Result<Session, AgentError> {
+    fn try_from(file: SessionFile) -> Result<Session, Error> {
         let agent = Agent::new(file.creature, file.skin)?;
         Ok(of_both!(file, Session { agent }))
     }
@@ -210,8 +211,8 @@ impl Session {
     /// Writes [`SESSION_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
+    /// If the folder or the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let path = folder.join(SESSION_FILE);
         files::make_folder(folder)?;
         STAMP.write(&path, &SessionFile::from(self.clone()))
@@ -220,15 +221,15 @@ impl Session {
     /// Reads [`SESSION_FILE`] of `folder`.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where it cannot be read, [`RecordError::Format`] where there is none, with what is there instead, or
+    /// If it cannot be read, or if there is none, with what is there instead, or
     /// where it is no session, one of a newer version, or one whose skin does not fit its creature.
-    pub fn read(folder: &Path) -> Result<Session, RecordError> {
+    pub fn read(folder: &Path) -> Result<Session, Error> {
         let path = folder.join(SESSION_FILE);
         let session: SessionFile =
             STAMP.read(&path, "session").map_err(|error| match mistaken::is_missing(&error) {
-                true => RecordError::format(folder, None, mistaken::for_session(folder)),
+                true => Error::content(folder, None, mistaken::for_session(folder)),
                 false => error,
             })?;
-        Session::try_from(session).map_err(|error| RecordError::format(&path, None, error.to_string()))
+        Session::try_from(session).map_err(|error| Error::content(&path, None, error.to_string()))
     }
 }

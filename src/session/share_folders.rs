@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Action, RecordError};
+use crate::error::Error;
 use crate::share::Share;
 
 /// Where the shares of a folder's work are.
@@ -27,16 +27,16 @@ impl Shares {
     /// Looks for the shares in a folder.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where it cannot be read. [`RecordError::Format`] where there are none, or those of work that was
+    /// If it cannot be read; or if there are none, or those of work that was
     /// cut in two ways.
-    pub fn find(folder: &Path) -> Result<Shares, RecordError> {
+    pub fn find(folder: &Path) -> Result<Shares, Error> {
         let place = folder.join(SHARES_FOLDER);
         if !place.is_dir() {
             let message = "there are no shares in it: make them with `bodyschema babble … --shard 1/3 --out DIR`, or \
                            with `bodyschema study`, and give that DIR";
-            return Err(RecordError::format(folder, None, message));
+            return Err(Error::content(folder, None, message));
         }
-        let io = || RecordError::io(&place, Action::Read);
+        let io = || Error::unreadable(&place);
         let mut begun = BTreeMap::new();
         for entry in fs::read_dir(&place).map_err(io())? {
             let path = entry.map_err(io())?.path();
@@ -47,11 +47,11 @@ impl Shares {
         }
         let mut counts = begun.keys().map(|share| share.of());
         let Some(of) = counts.next() else {
-            return Err(RecordError::format(&place, None, "there is no share in it: make one with --shard"));
+            return Err(Error::content(&place, None, "there is no share in it: make one with --shard"));
         };
         if let Some(other) = counts.find(|other| *other != of) {
             let message = format!("there are shares of {of} and of {other}: remove those of one kind");
-            return Err(RecordError::format(&place, None, message));
+            return Err(Error::content(&place, None, message));
         }
         Ok(Shares { of, begun })
     }

@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::stamp::Stamp;
-use super::{RecordError, SPACE_FILE, files};
+use super::{SPACE_FILE, files};
+use crate::error::Error;
 use crate::plausible::{GREATEST_LENGTH, is_length};
 
 const STAMP: Stamp = Stamp { format: "bodyschema space", version: 1 };
@@ -58,8 +59,8 @@ impl SpaceRecord {
     /// Writes [`SPACE_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<(), RecordError> {
+    /// If the folder or the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         files::make_folder(folder)?;
         STAMP.write(&folder.join(SPACE_FILE), self)
     }
@@ -67,9 +68,9 @@ impl SpaceRecord {
     /// Reads [`SPACE_FILE`] of `folder`; `None` if there is no such file.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`] if it holds no such slices or is of
+    /// If it cannot be read, or if it holds no such slices or is of
     /// a newer version.
-    pub fn read(folder: &Path) -> Result<Option<SpaceRecord>, RecordError> {
+    pub fn read(folder: &Path) -> Result<Option<SpaceRecord>, Error> {
         let path = folder.join(SPACE_FILE);
         if !path.exists() {
             return Ok(None);
@@ -79,7 +80,7 @@ impl SpaceRecord {
             None => Ok(Some(record)),
             Some(fault) => {
                 let message = format!("it has {fault}: make it anew with `bodyschema reach`");
-                Err(RecordError::format(&path, None, message))
+                Err(Error::content(&path, None, message))
             }
         }
     }

@@ -1,12 +1,12 @@
 //! The first words of every file of a session: its format and the format's version.
 
+use crate::error::{Error, json_reason};
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::record_error::json_reason;
-use super::{RecordError, files};
+use super::files;
 
 /// A format of a file and the version of it that this program writes and reads.
 #[derive(Clone, Copy, Debug)]
@@ -43,35 +43,35 @@ impl Stamp {
     /// Writes a content behind the stamp to a file, whole or not at all.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if it cannot be written.
-    pub fn write(self, path: &Path, content: &impl Serialize) -> Result<(), RecordError> {
+    /// If it cannot be written.
+    pub fn write(self, path: &Path, content: &impl Serialize) -> Result<(), Error> {
         files::write_json(path, &self.on(content))
     }
 
     /// Reads the content of a file behind the stamp; `what` it should be is named in errors.
     ///
     /// # Errors
-    /// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`] if it has another stamp or content.
-    pub fn read<T: DeserializeOwned>(self, path: &Path, what: &str) -> Result<T, RecordError> {
+    /// If it cannot be read, or if it has another stamp or content.
+    pub fn read<T: DeserializeOwned>(self, path: &Path, what: &str) -> Result<T, Error> {
         let json = files::read(path)?;
         self.check(path, None, &json)?;
-        serde_json::from_slice(&json).map_err(|error| RecordError::json(path, what, &error))
+        serde_json::from_slice(&json).map_err(|error| Error::json(path, what, &error))
     }
 
     /// Checks that `json` carries the stamp; an error names `line`, or else the parser's line.
     ///
     /// # Errors
-    /// [`RecordError::Format`] for anything but a JSON object, for another format, and for a version
+    /// For anything but a JSON object, for another format, and for a version
     /// that this program does not know.
-    pub fn check(self, path: &Path, line: Option<usize>, json: &[u8]) -> Result<(), RecordError> {
+    pub fn check(self, path: &Path, line: Option<usize>, json: &[u8]) -> Result<(), Error> {
         let Stamp { format, version } = self;
         let mend = format!("give a file that begins with \"format\":\"{format}\",\"version\":{version}");
         let found: StatedFormat = serde_json::from_slice(json).map_err(|error| {
             let line = line.or(Some(error.line()).filter(|&line| line > 0));
             let message = format!("it states no format that can be read ({}): {mend}", json_reason(&error));
-            RecordError::format(path, line, message)
+            Error::content(path, line, message)
         })?;
-        let refuse = |message: String| Err(RecordError::format(path, line, message));
+        let refuse = |message: String| Err(Error::content(path, line, message));
         match (found.format, found.version) {
             (None, _) => refuse(format!("it states no format: {mend}")),
             (Some(other), _) if other != format => {

@@ -14,11 +14,11 @@ use flate2::read::MultiGzDecoder;
 use serde_json::Value;
 use serde_json::value::RawValue;
 
+use super::files;
 use super::json_lines::{drop_zeros, incomplete};
-use super::record_error::json_reason;
 use super::touch_reader::check_header;
-use super::{RecordError, files};
 use crate::creature::Creature;
+use crate::error::{Error, json_reason};
 
 /// The columns of limbs, receptors and points of contact, side a then side b.
 pub(crate) const LIMBS: [&str; 2] = ["limb_a", "limb_b"];
@@ -239,12 +239,12 @@ impl Table {
 /// the `creature`, if one is given.
 ///
 /// # Errors
-/// [`RecordError::Io`] if it cannot be read, [`RecordError::Format`], with the line, if it is no table.
+/// If it cannot be read, or, with the line, if it is no table.
 pub(crate) fn read_table(
     path: &Path,
     coordinates: &[String],
     creature: Option<&Creature>,
-) -> Result<Table, RecordError> {
+) -> Result<Table, Error> {
     let (bytes, notes) = read_text(path)?;
     let table = match bytes.trim_ascii_start().first() {
         Some(b'{' | b'[') => read_json(path, &bytes, coordinates, creature)?,
@@ -254,12 +254,12 @@ pub(crate) fn read_table(
 }
 
 /// The text of a file in UTF-8, unpacked and without a mark before it; and what is worth a note.
-fn read_text(path: &Path) -> Result<(Vec<u8>, Vec<String>), RecordError> {
+fn read_text(path: &Path) -> Result<(Vec<u8>, Vec<String>), Error> {
     let mut bytes = files::read(path)?;
     let mut notes = Vec::new();
     if bytes.starts_with(&PACKED) {
         let mut plain = Vec::new();
-        let refused = |what: String| Err(RecordError::format(path, None, format!("{what}: unpack it first")));
+        let refused = |what: String| Err(Error::content(path, None, format!("{what}: unpack it first")));
         match MultiGzDecoder::new(&bytes[..]).take(GREATEST_TABLE + 1).read_to_end(&mut plain) {
             Ok(_) if plain.len() as u64 > GREATEST_TABLE => {
                 return refused("unpacked it is larger than 4 GiB".into());
@@ -303,9 +303,9 @@ fn read_json(
     bytes: &[u8],
     coordinates: &[String],
     creature: Option<&Creature>,
-) -> Result<Table, RecordError> {
+) -> Result<Table, Error> {
     let bytes = &with_null(bytes);
-    let refuse = |line: usize, fault: String| Err(RecordError::format(path, Some(line), fault));
+    let refuse = |line: usize, fault: String| Err(Error::content(path, Some(line), fault));
     let list = bytes.trim_ascii_start().starts_with(b"[");
     let mut at = usize::from(list) + bytes.len() - bytes.trim_ascii_start().len();
     let mut line = 1 + newlines(&bytes[..at]);
@@ -470,8 +470,8 @@ fn add<'v>(
 
 /// Reads a table whose first line has the columns' names; they are separated by commas, tabs or semicolons. Lines that hold
 /// nothing are left out.
-pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, RecordError> {
-    let refuse = |line: usize, message: String| RecordError::format(path, Some(line), message);
+pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, Error> {
+    let refuse = |line: usize, message: String| Error::content(path, Some(line), message);
     let text = bytes.trim_ascii_start();
     if text.starts_with(b"<") {
         return Err(refuse(

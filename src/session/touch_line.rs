@@ -10,7 +10,6 @@ use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::plausible::{GREATEST_LENGTH, is_angle, is_deviation, is_length, place_fault};
 use crate::senses::{Moment, Touch};
-use crate::session::record_error::ContentFault;
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
 /// Times, forces and depths at the most, seconds, newtons and metres: thirty years, and the weight of an oil tanker.
@@ -66,7 +65,7 @@ pub(super) struct TouchLine<S, P, V> {
 }
 
 /// The name of the limb a receptor is on.
-pub(super) fn limb_name(agent: &Agent, receptor: usize) -> Result<&str, ContentFault> {
+pub(super) fn limb_name(agent: &Agent, receptor: usize) -> Result<&str, String> {
     let receptor = agent
         .skin()
         .receptors
@@ -82,7 +81,7 @@ pub(super) fn limb_name(agent: &Agent, receptor: usize) -> Result<&str, ContentF
 ///
 /// # Errors
 /// A sentence that names what is wrong and its mend.
-pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), ContentFault> {
+pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), String> {
     let creature = agent.creature();
     if touch.posture.len() != creature.coordinates() {
         return Err(format!(

@@ -6,13 +6,12 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::RecordError;
 use super::json_lines::{read_header, read_log};
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use crate::agent::Agent;
 use crate::creature::Creature;
+use crate::error::Error;
 use crate::senses::{Moment, Touch, TouchEnd};
-use crate::session::record_error::ContentFault;
 
 /// How far a receptor's position in a log may be from the skin's, metres.
 const SAME_POSITION: f64 = 1e-9;
@@ -34,10 +33,10 @@ type FoundLine = TouchLine<String, Vec<Option<f64>>, [Option<f64>; 3]>;
 /// Reads the touches of a creature and its skin from the log `path`.
 ///
 /// # Errors
-/// [`RecordError::Io`] where the file cannot be read. [`RecordError::Format`], with the line, where it
+/// If the file cannot be read; with the line, if it
 /// is no log of touches or one of a newer version, where it belongs to another creature or skin, and
 /// for any line that is no touch; only the last one may be incomplete.
-pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, RecordError> {
+pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, Error> {
     let receptors: HashMap<&str, usize> =
         agent.skin().receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
     let (mut log, mut told) = (TouchLog::default(), HashSet::new());
@@ -65,19 +64,14 @@ fn print(touch: &Touch) -> u64 {
 }
 
 /// Checks the header, on a line of the log.
-pub(super) fn check_header(
-    path: &Path,
-    json: &[u8],
-    line: usize,
-    creature: &Creature,
-) -> Result<(), RecordError> {
+pub(super) fn check_header(path: &Path, json: &[u8], line: usize, creature: &Creature) -> Result<(), Error> {
     let header: TouchHeader = read_header(path, STAMP, line, json)?;
-    header.check(creature).map_err(|fault| RecordError::format(path, Some(line), fault))
+    header.check(creature).map_err(|fault| Error::content(path, Some(line), fault))
 }
 
 impl TouchHeader {
     /// Whether the log is of a creature.
-    fn check(&self, creature: &Creature) -> Result<(), ContentFault> {
+    fn check(&self, creature: &Creature) -> Result<(), String> {
         if self.units != UNITS {
             return Err(format!(
                 "its units are \"{}\", not \"{UNITS}\": convert its numbers to metres and radians",
@@ -101,9 +95,9 @@ impl TouchHeader {
 }
 
 /// The touch that a line tells of.
-fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> Result<Touch, ContentFault> {
+fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> Result<Touch, String> {
     let skin = agent.skin();
-    let end = |k: usize| -> Result<TouchEnd, ContentFault> {
+    let end = |k: usize| -> Result<TouchEnd, String> {
         let id = &found.receptors[k];
         let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
             format!("the skin has no receptor \"{id}\": give the skin that the touches were recorded with")

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::json_lines::drop_zeros;
 use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
-use super::{Action, RecordError, TOUCHES_FILE, files};
+use super::{TOUCHES_FILE, files};
 use crate::agent::Agent;
+use crate::error::Error;
 use crate::senses::Touch;
 
 /// Writes [`TOUCHES_FILE`], a line a touch.
@@ -33,13 +34,13 @@ pub struct TouchWriter<'a> {
 }
 
 /// Opens a log that no other process writes, without touching what is in it.
-fn open_alone(path: &Path) -> Result<File, RecordError> {
+fn open_alone(path: &Path) -> Result<File, Error> {
     let opened = OpenOptions::new().append(true).create(true).open(path);
-    let file = opened.map_err(RecordError::io(path, Action::Write))?;
+    let file = opened.map_err(Error::unwritable(path))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {
             let message = "another process is writing it: wait for its end, or end it";
-            Err(RecordError::format(path, None, message))
+            Err(Error::content(path, None, message))
         }
         // Where there are no locks, nobody else can be kept away.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
@@ -50,16 +51,16 @@ impl<'a> TouchWriter<'a> {
     /// Begins the log in `folder`, which is made if missing; a log that is there is never overwritten.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the folder or the file cannot be made. [`RecordError::Format`] where there is a log
+    /// If the folder or the file cannot be made; or if there is a log
     /// already, or another process is writing it.
-    pub fn create(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
+    pub fn create(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, Error> {
         files::make_folder(folder)?;
         let path = folder.join(TOUCHES_FILE);
         let file = open_alone(&path)?;
-        let about = file.metadata().map_err(RecordError::io(&path, Action::Write))?;
+        let about = file.metadata().map_err(Error::unwritable(&path))?;
         if about.len() > 0 {
             let message = "there is a log already: give another folder with --out, or move it away";
-            return Err(RecordError::format(&path, None, message));
+            return Err(Error::content(&path, None, message));
         }
         TouchWriter::of(path, file, agent, Vec::new(), 0)
     }
@@ -70,16 +71,16 @@ impl<'a> TouchWriter<'a> {
     /// leaves where the power failed before it had stored what was written, are dropped.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the log cannot be read and written. [`RecordError::Format`] where another process is
+    /// If the log cannot be read and written; or if another process is
     /// writing it, or where it is not of this creature.
-    pub fn resume(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, RecordError> {
+    pub fn resume(folder: &Path, agent: &'a Agent) -> Result<TouchWriter<'a>, Error> {
         let path = folder.join(TOUCHES_FILE);
         let file = open_alone(&path)?;
         let mut left = files::read(&path)?;
         let zeros = drop_zeros(&mut left);
         if zeros > 0 {
             let cut = file.set_len(left.len() as u64).and_then(|()| file.sync_all());
-            cut.map_err(RecordError::io(&path, Action::Write))?;
+            cut.map_err(Error::unwritable(&path))?;
         }
         TouchWriter::of(path, file, agent, left, zeros)
     }
@@ -90,7 +91,7 @@ impl<'a> TouchWriter<'a> {
         agent: &'a Agent,
         left: Vec<u8>,
         zeros: usize,
-    ) -> Result<TouchWriter<'a>, RecordError> {
+    ) -> Result<TouchWriter<'a>, Error> {
         let mut writer =
             TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left, passed: 0, zeros };
         writer.write_header()?;
@@ -106,15 +107,15 @@ impl<'a> TouchWriter<'a> {
     /// ones there were.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the log cannot be read.
-    pub fn skip(&mut self, touches: usize) -> Result<usize, RecordError> {
+    /// If the log cannot be read.
+    pub fn skip(&mut self, touches: usize) -> Result<usize, Error> {
         for skipped in 0..touches {
             let line = self.next_left();
             match line.last() {
                 Some(b'\n') => (self.passed, self.lines) = (self.passed + line.len(), self.lines + 1),
                 Some(_) => {
                     let message = "it is no whole line: delete it";
-                    return Err(RecordError::format(&self.path, Some(self.lines + 1), message));
+                    return Err(Error::content(&self.path, Some(self.lines + 1), message));
                 }
                 None => return Ok(skipped),
             }
@@ -125,11 +126,11 @@ impl<'a> TouchWriter<'a> {
     /// Adds a touch.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where writing fails, [`RecordError::Format`] for a touch that could not be
+    /// If writing fails, and for a touch that could not be
     /// read again: of another creature or skin, or with numbers that are not finite; and for one that is not
     /// what an interrupted writer left here. Such a touch is not written.
-    pub fn write(&mut self, touch: &Touch) -> Result<(), RecordError> {
-        let refuse = |message| RecordError::format(&self.path, Some(self.lines + 1), message);
+    pub fn write(&mut self, touch: &Touch) -> Result<(), Error> {
+        let refuse = |message| Error::content(&self.path, Some(self.lines + 1), message);
         check(touch, self.agent).map_err(refuse)?;
         let limb = |k: usize| limb_name(self.agent, touch.ends[k].receptor).map_err(refuse);
         let limbs = [limb(0)?, limb(1)?];
@@ -153,22 +154,22 @@ impl<'a> TouchWriter<'a> {
     /// Ends the log and waits until it is on the disk.
     ///
     /// # Errors
-    /// [`RecordError::Io`] where the system cannot store it, [`RecordError::Format`] where an interrupted writer left
+    /// If the system cannot store it, or if an interrupted writer left
     /// more than was written now.
-    pub fn finish(self) -> Result<(), RecordError> {
+    pub fn finish(self) -> Result<(), Error> {
         if !self.next_left().is_empty() {
             let message =
                 "there are more touches than the session is of: delete this line and those after it";
-            return Err(RecordError::format(&self.path, Some(self.lines + 1), message));
+            return Err(Error::content(&self.path, Some(self.lines + 1), message));
         }
         match self.file.sync_all() {
             // What is no file, such as a pipe, has nothing to wait for.
             Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-            result => result.map_err(RecordError::io(&self.path, Action::Write)),
+            result => result.map_err(Error::unwritable(&self.path)),
         }
     }
 
-    fn write_header(&mut self) -> Result<(), RecordError> {
+    fn write_header(&mut self) -> Result<(), Error> {
         self.write_line(&STAMP.on(&TouchHeader {
             creature: self.agent.creature().name().into(),
             coordinates: self.agent.creature().coordinates(),
@@ -182,22 +183,22 @@ impl<'a> TouchWriter<'a> {
         left.split_inclusive(|byte| *byte == b'\n').next().unwrap_or_default()
     }
 
-    fn write_line(&mut self, content: &impl serde::Serialize) -> Result<(), RecordError> {
+    fn write_line(&mut self, content: &impl serde::Serialize) -> Result<(), Error> {
         self.buffer.clear();
         serde_json::to_writer(&mut self.buffer, content)
-            .map_err(|error| RecordError::io(&self.path, Action::Write)(error.into()))?;
+            .map_err(|error| Error::unwritable(&self.path)(error.into()))?;
         self.buffer.push(b'\n');
         // A line without its end is the last one, and the beginning of this one.
         let there = self.next_left().len();
         if !self.buffer.starts_with(self.next_left()) {
-            return Err(RecordError::format(
+            return Err(Error::content(
                 &self.path,
                 Some(self.lines + 1),
                 "it is not what is babbled here: it was changed, or made by another version of bodyschema; \
                  babble anew into another folder with --out",
             ));
         }
-        self.file.write_all(&self.buffer[there..]).map_err(RecordError::io(&self.path, Action::Write))?;
+        self.file.write_all(&self.buffer[there..]).map_err(Error::unwritable(&self.path))?;
         self.passed += there;
         self.lines += 1;
         Ok(())

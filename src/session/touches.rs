@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use super::error::ExperimentError;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::Touch;
-use crate::session::RecordError;
 use crate::simulation::Effort;
 
 /// Babbles and hands on every touch, from where the bouts in `from` end; errors name the file of the `model`.
@@ -19,13 +18,13 @@ pub fn make_touches(
     policy: PolicyName,
     from: BoutsDone,
     options: &BabblingOptions,
-    receive: impl FnMut(Made) -> Result<(), RecordError>,
-) -> Result<(Effort, Option<Growth>), ExperimentError> {
+    receive: impl FnMut(Made) -> Result<(), Error>,
+) -> Result<(Effort, Option<Growth>), Error> {
     let made = match policy {
         PolicyName::Random => babbler.babble_on(from, options, receive).map(|effort| (effort, None)),
         _ => babbler.babble_by(policy, options, receive),
     };
-    made.map_err(ExperimentError::babbling(model))
+    made.map_err(Error::of_model(model))
 }
 
 /// The touches alone, from the first on, and what was learned on the way.
@@ -34,7 +33,7 @@ pub fn all_touches(
     babbler: &Babbler,
     policy: PolicyName,
     options: &BabblingOptions,
-) -> Result<(Vec<Touch>, Option<Growth>), ExperimentError> {
+) -> Result<(Vec<Touch>, Option<Growth>), Error> {
     let mut touches = Vec::new();
     let (_, grown) = make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
         if let Made::Touch(touch) = made {

@@ -18,10 +18,10 @@ use super::relative_motion::{PairMotion, outlasts, until_zero};
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
 use crate::creature::{Body, Posture};
+use crate::error::Result;
 use crate::geometry::{Ball, Capsule, Gap, PlacedShape, Precision, gap_from, separation};
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::LimbMotion;
-use crate::mujoco;
 
 /// How far a creature's motions can go, by the gaps between its geoms along them.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ impl ConservativeAdvancement {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body, left_out: &BTreeSet<[usize; 2]>) -> mujoco::Result<ConservativeAdvancement> {
+    pub fn new(body: &Body, left_out: &BTreeSet<[usize; 2]>) -> Result<ConservativeAdvancement> {
         let schema = GroundTruth::new(body)?.schema;
         let touchable = Arc::new(TouchablePairs::new(body, &schema, left_out));
         let count = touchable.pairs.len();

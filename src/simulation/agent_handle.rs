@@ -3,7 +3,7 @@
 use super::Stage;
 use crate::agent::Agent;
 use crate::creature::Posture;
-use crate::mujoco;
+use crate::error::Result;
 use crate::senses::{Approach, Sense, SkinContact};
 
 /// What a creature has of the stage that it is on: it moves, feels, holds and lets go. Where things are, or its own limbs,
@@ -58,7 +58,7 @@ impl AgentHandle {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn step(&mut self, towards: &[f64]) -> mujoco::Result<Vec<SkinContact>> {
+    pub fn step(&mut self, towards: &[f64]) -> Result<Vec<SkinContact>> {
         self.stage.step_towards(towards).map(|(_, present)| present)
     }
 
@@ -72,7 +72,7 @@ impl AgentHandle {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn take_stick(&mut self, receptor: usize) -> mujoco::Result<Option<usize>> {
+    pub fn take_stick(&mut self, receptor: usize) -> Result<Option<usize>> {
         self.stage.give_any_stick(receptor)
     }
 
@@ -80,7 +80,7 @@ impl AgentHandle {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn give_stick_back(&mut self) -> mujoco::Result<()> {
+    pub fn give_stick_back(&mut self) -> Result<()> {
         self.stage.take_sticks_back()
     }
 

@@ -8,7 +8,6 @@ mod advancement;
 mod agent_handle;
 mod broad_phase;
 mod dynamic;
-mod error;
 mod event;
 mod kept_apart;
 mod motion;
@@ -27,7 +26,6 @@ mod touchable;
 pub use advancement::ConservativeAdvancement;
 pub use agent_handle::AgentHandle;
 pub use dynamic::DynamicMover;
-pub use error::SimulationError;
 pub use event::{aura_event_json, event_json};
 pub use motion::{DEEPEST, Effort, Ending, MotionName, MotionUntilTouch, Mover};
 pub use movers::Movers;
@@ -37,8 +35,8 @@ pub use self_contact::{LimbPair, Relation, SelfContact};
 pub use stage::{Stage, StageOptions, StepSenses, Watcher};
 pub use thing::{Substance, Thing};
 
-/// Why the engine failed, for those who must not reach into it.
-pub use crate::mujoco::Error as EngineError;
+/// Why the engine failed.
+pub use crate::error::Error as EngineError;
 
 /// What comes of what the engine does.
 pub type EngineResult<T> = Result<T, EngineError>;

@@ -4,7 +4,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::{Body, Posture};
-use crate::mujoco::{self, Contact, Data};
+use crate::error::Result;
+use crate::mujoco::{Contact, Data};
 use crate::named::named;
 use crate::senses::{ContactReader, Moment, Proprioception, Reading, Touch, TouchEnd};
 use crate::simulation::advancement::{ConservativeAdvancement, SLIDING};
@@ -96,7 +97,7 @@ pub trait MotionUntilTouch {
     ///
     /// # Errors
     /// Where the engine fails.
-    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()>;
+    fn reset(&mut self, posture: &[f64]) -> Result<()>;
 
     /// Draws the noise of its senses from another random stream from now on.
     fn draw_noise_from(&mut self, noise: ChaCha8Rng);
@@ -105,13 +106,13 @@ pub trait MotionUntilTouch {
     ///
     /// # Errors
     /// Where the engine fails.
-    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending>;
+    fn advance(&mut self, target: &[f64]) -> Result<Ending>;
 
     /// The posture that it feels itself in; after a touch, that of the touch.
     ///
     /// # Errors
     /// Where the engine fails.
-    fn felt_posture(&mut self) -> mujoco::Result<Posture>;
+    fn felt_posture(&mut self) -> Result<Posture>;
 
     /// When and how hard the touch was that the last motion ended in, if forces were at work.
     fn moment(&self) -> Option<Moment>;
@@ -123,14 +124,14 @@ pub trait MotionUntilTouch {
     ///
     /// # Errors
     /// Where the engine fails.
-    fn touch(&mut self, bout: u64, ends: [TouchEnd; 2]) -> mujoco::Result<Touch> {
+    fn touch(&mut self, bout: u64, ends: [TouchEnd; 2]) -> Result<Touch> {
         let (motion, posture) = (self.effort().motions, self.felt_posture()?);
         Ok(Touch { bout, motion, posture, ends, moment: self.moment() })
     }
 }
 
 impl MotionUntilTouch for Mover<'_> {
-    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+    fn reset(&mut self, posture: &[f64]) -> Result<()> {
         self.posture = Posture::from(posture);
         self.contact = None;
         self.effort = Effort::default();
@@ -140,7 +141,7 @@ impl MotionUntilTouch for Mover<'_> {
     /// Straight towards `target`, up to the first contact of limbs that are not neighbours.
     /// A ball joint whose way would leave its range goes up to its limit; what follows another joint ends where
     /// that joint has it (and on the way as well, where it follows in proportion).
-    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+    fn advance(&mut self, target: &[f64]) -> Result<Ending> {
         self.effort.motions += 1;
         self.clearance.checks = 0;
         let mut target = Posture::reachable(&self.body.creature, &self.posture, target);
@@ -154,7 +155,7 @@ impl MotionUntilTouch for Mover<'_> {
         self.proprioception.draw_noise_from(noise);
     }
 
-    fn felt_posture(&mut self) -> mujoco::Result<Posture> {
+    fn felt_posture(&mut self) -> Result<Posture> {
         self.proprioception.read(self.body, &self.posture)
     }
 
@@ -192,7 +193,7 @@ impl<'a> Mover<'a> {
         reader: &'a ContactReader,
         clearance: ConservativeAdvancement,
         posture: Posture,
-    ) -> mujoco::Result<Mover<'a>> {
+    ) -> Result<Mover<'a>> {
         let data = Data::new(body.model.clone())?;
         let proprioception = Proprioception::new(body, ChaCha8Rng::seed_from_u64(0))?;
         let qpos = vec![0.0; body.model.nq()];
@@ -216,7 +217,7 @@ impl<'a> Mover<'a> {
         &self.posture
     }
 
-    fn run(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+    fn run(&mut self, target: &[f64]) -> Result<Ending> {
         self.clearance.begin(&self.posture, target, self.contact);
         if let Some(contact) = self.contact {
             // Pressing on, or sliding along: the touch that has just been felt.
@@ -262,7 +263,7 @@ impl<'a> Mover<'a> {
     }
 
     /// Whether the motion parts what touches at its start.
-    fn parts(&mut self, contact: &Encounter) -> mujoco::Result<bool> {
+    fn parts(&mut self, contact: &Encounter) -> Result<bool> {
         if contact.exact {
             let opening = self.clearance.gap(contact, 0.0).map_or(0.0, |(_, opening)| opening);
             return Ok(opening > SLIDING * self.clearance.speed(contact));
@@ -310,7 +311,7 @@ impl<'a> Mover<'a> {
         mut free: f64,
         mut met: f64,
         mut deep: (Encounter, Contact),
-    ) -> mujoco::Result<Ending> {
+    ) -> Result<Ending> {
         for _ in 0..60 {
             let middle = 0.5 * (free + met);
             match self.contact_at(encounter, middle)? {
@@ -330,7 +331,7 @@ impl<'a> Mover<'a> {
 
     /// The deepest contact at `t`, by the engine, of geoms that can touch. What touched at the start is
     /// left out while it parts, unless it is the encounter itself.
-    fn contact_at(&mut self, encounter: &Encounter, t: f64) -> mujoco::Result<Option<(Encounter, Contact)>> {
+    fn contact_at(&mut self, encounter: &Encounter, t: f64) -> Result<Option<(Encounter, Contact)>> {
         let posture = self.clearance.posture(t);
         self.body.write_qpos(&posture, &mut self.qpos);
         self.data.set_qpos(&self.qpos)?;
@@ -345,7 +346,7 @@ impl<'a> Mover<'a> {
     }
 
     /// Stops where the engine has just found `contact`, and reads it.
-    fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> mujoco::Result<Ending> {
+    fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> Result<Ending> {
         self.contact = Some(encounter);
         for other in self.data.contacts() {
             if self.reader.read(self.body, self.skin, &self.data, &other) == Reading::Neighbours {

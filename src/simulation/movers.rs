@@ -1,12 +1,10 @@
 //! What moves a body until it touches itself, made ready once for all threads.
 
 use super::dynamic::Physics;
-use super::{
-    ConservativeAdvancement, DynamicMover, MotionName, MotionUntilTouch, Mover, SelfContact, SimulationError,
-};
+use super::{ConservativeAdvancement, DynamicMover, MotionName, MotionUntilTouch, Mover, SelfContact};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
-use crate::mujoco;
+use crate::error::{Error, Kind, Result};
 use crate::senses::ContactReader;
 
 /// Makes movers of a body, one per thread. Geoms that overlap by construction are left out for good.
@@ -24,18 +22,27 @@ impl<'a> Movers<'a> {
     /// Movers of a body whose motions are of a kind.
     ///
     /// # Errors
-    /// [`SimulationError::NoReceptors`] where there is no skin, [`SimulationError::NoPairs`] where no two limbs can meet,
+    /// If there is no skin, or no two limbs can meet,
     /// and where the engine fails.
-    pub fn new(body: &'a Body, agent: &'a Agent, motion: MotionName) -> Result<Movers<'a>, SimulationError> {
+    pub fn new(body: &'a Body, agent: &'a Agent, motion: MotionName) -> Result<Movers<'a>, Error> {
         if agent.skin().receptors.is_empty() {
-            return Err(SimulationError::NoReceptors);
+            let sentence =
+                "the model has no touch sensors: grow a skin with `bodyschema skin MODEL --out NEW`";
+            return Err(Error::model(sentence));
         }
         let SelfContact { left_out, start, .. } = SelfContact::new(body)?;
         let reader = ContactReader::new(body, agent.skin());
         let clearance = ConservativeAdvancement::new(body, &left_out)?;
         if clearance.is_empty() {
             let joints: Vec<&str> = body.creature.joints().iter().map(|joint| joint.name.as_str()).collect();
-            return Err(SimulationError::NoPairs { joints: joints.join(", ") });
+            let joints = joints.join(", ");
+            return Err(Error::new(
+                Kind::NoContact,
+                format!(
+                    "no two of its limbs can touch: all that bear surface carry one another or overlap for good \
+                     (`bodyschema inspect` has the table), so no touch can determine {joints}; give limbs that reach each other"
+                ),
+            ));
         }
         let physics = match motion {
             MotionName::Kinematic => None,
@@ -63,7 +70,7 @@ impl<'a> Movers<'a> {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn kinematic(&self) -> mujoco::Result<Mover<'_>> {
+    pub fn kinematic(&self) -> Result<Mover<'_>> {
         Mover::new(self.body, self.agent.skin(), &self.reader, self.clearance.clone(), self.start.clone())
     }
 
@@ -71,7 +78,7 @@ impl<'a> Movers<'a> {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn dynamic(&self) -> mujoco::Result<Option<DynamicMover<'_>>> {
+    pub fn dynamic(&self) -> Result<Option<DynamicMover<'_>>> {
         let mover = |physics: &Physics| {
             let clearance = self.clearance.clone();
             DynamicMover::new(self.body, self.agent.skin(), &self.reader, clearance, physics, &self.start)
@@ -83,7 +90,7 @@ impl<'a> Movers<'a> {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn mover(&self) -> mujoco::Result<Box<dyn MotionUntilTouch + '_>> {
+    pub fn mover(&self) -> Result<Box<dyn MotionUntilTouch + '_>> {
         Ok(match self.dynamic()? {
             Some(mover) => Box::new(mover),
             None => Box::new(self.kinematic()?),

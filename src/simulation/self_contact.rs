@@ -12,8 +12,9 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use crate::creature::{Body, Posture};
+use crate::error::Result;
 use crate::kinematics::Chain;
-use crate::mujoco::{self, Data};
+use crate::mujoco::Data;
 
 /// Random postures that are looked at, always the same ones.
 const POSTURES: usize = 200;
@@ -73,7 +74,7 @@ impl SelfContact {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body) -> mujoco::Result<SelfContact> {
+    pub fn new(body: &Body) -> Result<SelfContact> {
         let mut overlaps = Overlaps::new(body)?;
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut postures = vec![Posture::start(&body.creature)];
@@ -161,7 +162,7 @@ fn untangled(
     overlaps: &mut Overlaps,
     (from, overlapping): (&Posture, &BTreeSet<[usize; 2]>),
     tangled: impl Fn(&BTreeSet<[usize; 2]>) -> usize,
-) -> mujoco::Result<Option<(Posture, BTreeSet<[usize; 2]>)>> {
+) -> Result<Option<(Posture, BTreeSet<[usize; 2]>)>> {
     let creature = &body.creature;
     let (mut best, mut seen) = (from.clone(), overlapping.clone());
     while tangled(&seen) > 0 {
@@ -255,12 +256,12 @@ struct Overlaps<'a> {
 }
 
 impl<'a> Overlaps<'a> {
-    fn new(body: &'a Body) -> mujoco::Result<Overlaps<'a>> {
+    fn new(body: &'a Body) -> Result<Overlaps<'a>> {
         Ok(Overlaps { body, data: Data::new(body.model.clone())?, qpos: vec![0.0; body.model.nq()] })
     }
 
     /// The overlapping pairs in a posture, the lesser index first; neighbours are left out.
-    fn at(&mut self, posture: &[f64]) -> mujoco::Result<BTreeSet<[usize; 2]>> {
+    fn at(&mut self, posture: &[f64]) -> Result<BTreeSet<[usize; 2]>> {
         self.body.write_qpos(posture, &mut self.qpos);
         self.data.set_qpos(&self.qpos)?;
         self.data.kinematics()?;

@@ -1,6 +1,7 @@
 //! One step of the physics: the only place where the engine is stepped.
 
-use crate::mujoco::{self, Data};
+use crate::error::Result;
+use crate::mujoco::Data;
 
 /// Makes one step from a state of the whole model: its coordinates and velocities.
 ///
@@ -15,12 +16,12 @@ pub(super) fn step(
     (qpos, qvel): (&[f64], &[f64]),
     meets: impl FnMut([usize; 2]) -> bool,
     forces: impl FnOnce(&Data) -> Vec<f64>,
-) -> mujoco::Result<()> {
+) -> Result<()> {
     data.set_qpos(qpos)?;
     data.set_qvel(qvel)?;
     data.step1()?;
     data.let_pass(meets)?;
     let forces = forces(data);
     data.set_qfrc_applied(&forces)?;
-    data.step2()
+    Ok(data.step2()?)
 }

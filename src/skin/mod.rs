@@ -19,7 +19,7 @@ pub use aura::{AURA_REACH, ProximityGeometry, aura_of, grow_aura};
 pub use from_model::skin_of;
 pub(crate) use from_model::{surface_of_body, surface_of_geom};
 pub(crate) use growing::grow_counted;
-pub use growing::{GrowError, GrowOptions, Grown, PatchSize, grow, grow_skin, grow_skin_rooted};
+pub use growing::{GrowOptions, Grown, PatchSize, grow, grow_skin, grow_skin_rooted};
 pub(crate) use joined_limbs::JoinedLimbs;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
 pub use surface::Surface;

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 use super::Skin;
 use super::surface_graph::{Crossing, Meeting, SurfaceGraph};
 use crate::creature::{Body, Creature};
+use crate::error::Result;
 use crate::geometry::Frame;
-use crate::mujoco;
 
 /// The most neighbours of a receptor.
 pub const MOST_NEIGHBOURS: usize = 8;
@@ -65,7 +65,7 @@ impl SomatotopicMap {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn at_ease(body: &Body, skin: &Skin) -> mujoco::Result<SomatotopicMap> {
+    pub fn at_ease(body: &Body, skin: &Skin) -> Result<SomatotopicMap> {
         let frames = body.limb_frames(&body.reference_data()?);
         Ok(SomatotopicMap::new(&body.creature, skin, &[frames]))
     }

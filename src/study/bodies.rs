@@ -12,8 +12,9 @@ use serde_json::json;
 
 use super::generated::GeneratedBody;
 use super::{By, Column, Row, Studied, Study, Trial};
-use crate::babbling::{BabblingError, BabblingOptions, PolicyName};
+use crate::babbling::{BabblingOptions, PolicyName};
 use crate::deadline::{Deadline, Tally, apart, count};
+use crate::error::Error;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
@@ -21,8 +22,8 @@ use crate::learning::{Input, Learned, LengthUnit, Verdict, Z95};
 use crate::mujoco::Model;
 use crate::senses::Touch;
 use crate::session::touches::all_touches;
-use crate::session::{CreatureFault, Embodied, ExperimentError, LearningOptions, ModelSource};
-use crate::simulation::{MotionName, SimulationError};
+use crate::session::{Embodied, LearningOptions, ModelSource};
+use crate::simulation::MotionName;
 
 pub(super) const STUDY: Study = Study {
     name: "bodies",
@@ -108,17 +109,9 @@ struct Failed {
     work: Tally,
 }
 
-impl From<ExperimentError> for Failed {
-    fn from(error: ExperimentError) -> Failed {
-        let untouched = matches!(
-            &error,
-            ExperimentError::Creature {
-                reason: CreatureFault::Babbling(BabblingError::NoTouch { .. })
-                    | CreatureFault::Simulation(SimulationError::NoPairs { .. }),
-                ..
-            }
-        );
-        let outcome = if untouched { "touched nothing" } else { "refused" };
+impl From<Error> for Failed {
+    fn from(error: Error) -> Failed {
+        let outcome = if error.is_no_contact() { "touched nothing" } else { "refused" };
         Failed { outcome, reason: error.to_string(), work: Tally::default() }
     }
 }
@@ -131,7 +124,7 @@ struct Babbled {
     work: Tally,
 }
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let body = GeneratedBody::new(trial.seed);
     let embodied = survived(|| embody(&body));
     // Ways share the touches at random, if one needs them.
@@ -195,7 +188,7 @@ fn describe(row: &mut Row, way: &str, body: &GeneratedBody) {
 }
 
 /// What something comes to; a panic in it, which is a defect, is a finding and ends no study.
-fn survived<T>(run: impl FnOnce() -> Result<T, ExperimentError>) -> Result<T, Failed> {
+fn survived<T>(run: impl FnOnce() -> Result<T, Error>) -> Result<T, Failed> {
     let (found, work) = apart(|| catch_unwind(AssertUnwindSafe(run)));
     let found = found.map(|found| found.map_err(Failed::from)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -206,17 +199,12 @@ fn survived<T>(run: impl FnOnce() -> Result<T, ExperimentError>) -> Result<T, Fa
 }
 
 /// The body with its skin; what has no touch sensors gets them in memory.
-fn embody(body: &GeneratedBody) -> Result<Embodied, ExperimentError> {
+fn embody(body: &GeneratedBody) -> Result<Embodied, Error> {
     let model = Arc::new(Model::from_xml(&body.mjcf)?);
     Embodied::of_model(ModelSource::new(format!("{}.xml", body.name())), model, &())
 }
 
-fn babble(
-    embodied: &Embodied,
-    policy: PolicyName,
-    most: usize,
-    trial: &Trial,
-) -> Result<Babbled, ExperimentError> {
+fn babble(embodied: &Embodied, policy: PolicyName, most: usize, trial: &Trial) -> Result<Babbled, Error> {
     let by = Deadline::after_work_of(BABBLING * trial.seconds);
     let babbler = embodied.babbler(MotionName::default())?.until(by).learning_from(Input::Receptor);
     let wanted = BabblingOptions { touches: most, seed: trial.seed, jobs: 1 };

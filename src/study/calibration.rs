@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{By, Column, Row, Studied, Study, Trial};
 use crate::calibration::made::{Data, Fault, Made};
 use crate::calibration::{Estimator, EstimatorOptions, Misses, objections};
-use crate::session::ExperimentError;
+use crate::error::Error;
 
 pub(super) const STUDY: Study = Study {
     name: "calibration",
@@ -44,7 +44,7 @@ fn name(data: Data, fault: Fault) -> String {
     format!("{data}/{fault}")
 }
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let asked = cases().filter(|&(data, fault)| trial.asks(&name(data, fault)));
     Ok(asked.map(|(data, fault)| measured(data, fault, trial.seed)).collect())
 }

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{By, Column, Row, Studied, Study, Trial};
-use crate::session::{DisturbanceLevels, ExperimentError, LearningOptions};
+use crate::error::Error;
+use crate::session::{DisturbanceLevels, LearningOptions};
 
 pub(super) const STUDY: Study = Study {
     name: "disturbances",
@@ -50,7 +51,7 @@ const LEVELS: [DisturbanceLevels; 11] = [
     DisturbanceLevels { joint_noise: 0.1, receptor_noise: 1.0, false_touches: 0.05, ..NONE },
 ];
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let touches = subject.babble(trial.touches, trial.seed)?;
     let row = |disturbances: DisturbanceLevels| {

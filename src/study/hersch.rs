@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::{By, Column, Row, Studied, Study, Subject, Trial};
 use crate::creature::DofKind;
+use crate::error::Error;
 use crate::evaluation::{evaluate, evaluate_learned};
 use crate::geometry::tangent_basis;
 use crate::kinematics::limb_frames;
@@ -19,7 +20,6 @@ use crate::learning::initial_guess::random_guess;
 use crate::learning::{Hersch, Input, Learner, STEP};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-use crate::session::ExperimentError;
 
 pub(super) const STUDY: Study = Study {
     name: "hersch",
@@ -155,7 +155,7 @@ struct Sighting<'a> {
     points: [Vector3<f64>; 2],
 }
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let (subject, seed) = (trial.subject()?, trial.seed);
     let (agent, truth) = (subject.agent(), subject.truth());
     let touches = subject.babble(trial.touches, seed)?;

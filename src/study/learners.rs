@@ -3,9 +3,10 @@
 use serde_json::json;
 
 use super::{By, Column, Row, Studied, Study, Trial};
+use crate::error::Error;
 use crate::learning::SkinKnowledge;
 use crate::learning::learners::{HerschsRule, RepairedHersch};
-use crate::session::{ExperimentError, LearningOptions};
+use crate::session::LearningOptions;
 
 pub(super) const STUDY: Study = Study {
     name: "learners",
@@ -41,7 +42,7 @@ fn learners() -> [(&'static str, LearningOptions); 4] {
     ]
 }
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let touches = subject.babble(trial.touches, trial.seed)?;
     let mut rows = Vec::new();

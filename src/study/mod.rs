@@ -24,7 +24,7 @@ pub use shares::{MOST_TRIALS, MadeTrials, StudyShare};
 pub use subject::Subject;
 pub use table::{By, Column, Row, Table};
 
-use crate::session::ExperimentError;
+use crate::error::Error;
 
 /// The studies, in the order in which they are named to the user.
 pub const STUDIES: &[&Study] = &[
@@ -56,7 +56,7 @@ pub struct Study {
     /// How to read the table, in sentences.
     pub notes: &'static [&'static str],
     /// The rows of a trial. An attempt that fails is a measurement; only what cannot be measured is an error.
-    pub run: fn(&Trial) -> Result<Vec<Row>, ExperimentError>,
+    pub run: fn(&Trial) -> Result<Vec<Row>, Error>,
 }
 
 /// Who is studied.

@@ -10,8 +10,9 @@ use sha2::{Digest, Sha256};
 
 use super::{Row, Studied, Study, Subject, Table};
 use crate::deadline::apart;
+use crate::error::Error;
 use crate::mujoco;
-use crate::session::{Embodied, ExperimentError, PROGRAM, SCHEMA_FILE, files, model_hash};
+use crate::session::{Embodied, PROGRAM, SCHEMA_FILE, files, model_hash};
 
 /// Touches from which a creature that acts learns its body if no session is named and no number is asked for.
 const LEARNED_FROM: usize = 1000;
@@ -106,8 +107,8 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// If the seeds make it.
-    pub fn subject(&self) -> Result<&Subject, ExperimentError> {
-        self.subject.ok_or_else(|| ExperimentError::refused("this study is of no creature that is named"))
+    pub fn subject(&self) -> Result<&Subject, Error> {
+        self.subject.ok_or_else(|| Error::usage("this study is of no creature that is named"))
     }
 
     /// Whether a case is asked for.
@@ -134,9 +135,9 @@ impl Asked {
         differing(&json!(self), &json!(other))
     }
 
-    fn study(&self) -> Result<&'static Study, ExperimentError> {
+    fn study(&self) -> Result<&'static Study, Error> {
         Study::of_name(&self.study).ok_or_else(|| {
-            ExperimentError::refused(format!(
+            Error::usage(format!(
                 "there is no study {} in this version: make it by the version that it was begun by",
                 self.study
             ))
@@ -177,11 +178,11 @@ impl StudyRun {
         study: &'static Study,
         options: StudyOptions,
         creature: Option<Embodied>,
-    ) -> Result<StudyRun, ExperimentError> {
+    ) -> Result<StudyRun, Error> {
         let acts = study.of == Studied::Acting;
         let refused = |option: &str| {
             let why = format!("study {} has no use for {option}: leave it out", study.name);
-            Err(ExperimentError::refused(why))
+            Err(Error::usage(why))
         };
         let babbles = study.touches.is_some() || acts && options.session.is_none();
         if options.touches.is_some() && !babbles {
@@ -194,9 +195,7 @@ impl StudyRun {
             return refused("--session");
         }
         if options.seed.checked_add(options.trials).is_none() {
-            return Err(ExperimentError::refused(
-                "the last trial's seed would be too great: give a smaller --seed",
-            ));
+            return Err(Error::usage("the last trial's seed would be too great: give a smaller --seed"));
         }
         let learned_from = (acts && options.session.is_none()).then_some(LEARNED_FROM);
         let options = StudyOptions {
@@ -229,7 +228,7 @@ impl StudyRun {
     }
 
     /// Makes the trial of a seed.
-    pub(super) fn trial(&self, seed: u64) -> Result<TrialRecord, ExperimentError> {
+    pub(super) fn trial(&self, seed: u64) -> Result<TrialRecord, Error> {
         let StudyOptions { cases, touches, seconds, seed: first, .. } = &self.asked.options;
         let trial = Trial {
             seed,
@@ -249,7 +248,7 @@ impl StudyRun {
     ///
     /// # Errors
     /// If something cannot be measured at all.
-    pub fn findings(&self) -> Result<Findings, ExperimentError> {
+    pub fn findings(&self) -> Result<Findings, Error> {
         let trials = self.asked.seeds().into_par_iter().map(|seed| self.trial(seed));
         Findings::of(self.asked.clone(), trials.collect::<Result<Vec<_>, _>>()?)
     }
@@ -257,7 +256,7 @@ impl StudyRun {
 
 impl Findings {
     /// What trials come to, in the order of their seeds.
-    pub(super) fn of(asked: Asked, trials: Vec<TrialRecord>) -> Result<Findings, ExperimentError> {
+    pub(super) fn of(asked: Asked, trials: Vec<TrialRecord>) -> Result<Findings, Error> {
         let study = asked.study()?;
         let (mut seconds, mut rows) = (0.0, Vec::new());
         for trial in trials {
@@ -305,14 +304,14 @@ impl Findings {
 }
 
 /// The cases of a study that are meant: those of these names, or whose names hold these words; all if none is named.
-fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, ExperimentError> {
+fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, Error> {
     let all = (study.cases)();
     let mut meant = vec![false; all.len()];
     for word in named {
         let exactly = all.contains(word);
         let is_meant = |case: &String| if exactly { case == word } else { case.contains(word.as_str()) };
         if !all.iter().any(is_meant) {
-            return Err(ExperimentError::refused(format!(
+            return Err(Error::usage(format!(
                 "study {} has no case {word}: choose from {}",
                 study.name,
                 all.join("; ")
@@ -329,11 +328,11 @@ fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, ExperimentErro
 }
 
 /// The SHA-256 of a file.
-fn hash(file: &Path) -> Result<String, ExperimentError> {
+fn hash(file: &Path) -> Result<String, Error> {
     Ok(Sha256::digest(files::read(file)?).iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-fn asked_creature(embodied: &Embodied, options: &StudyOptions) -> Result<AskedCreature, ExperimentError> {
+fn asked_creature(embodied: &Embodied, options: &StudyOptions) -> Result<AskedCreature, Error> {
     let (creature, source) = (embodied.creature(), embodied.source());
     let schema = options.session.as_ref().map(|session| hash(&session.join(SCHEMA_FILE)));
     Ok(AskedCreature {

@@ -6,9 +6,8 @@ use serde_json::json;
 
 use super::{By, Column, Row, Studied, Study, Trial};
 use crate::creature::JointSelection;
-use crate::mujoco;
+use crate::error::{Error, Result};
 use crate::senses::{Party, Sensation, TouchEvent, TouchKind};
-use crate::session::ExperimentError;
 use crate::simulation::partner::{Stimulation, Strokes};
 use crate::simulation::{Stage, StepSenses};
 
@@ -88,7 +87,7 @@ impl Doing {
     }
 }
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let stage = subject.stage(&JointSelection::All, &["probe"], Vec::new())?;
     let mut rows = Vec::new();
@@ -107,7 +106,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
 }
 
 /// Does something, and compares it with what is felt of it.
-fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, ExperimentError> {
+fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, Error> {
     let name = |limb: usize| stage.agent().creature().limbs()[limb].clone();
     let felt = feel(stage, done)?;
     let alone = felt.len() == 1;
@@ -141,7 +140,7 @@ fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, ExperimentError> {
 }
 
 /// Sends a probe and lets the creature feel it; what was felt of it, and when each sensation was decided.
-fn feel(stage: &Stage, done: &Stimulation) -> mujoco::Result<Vec<(Sensation, f64)>> {
+fn feel(stage: &Stage, done: &Stimulation) -> Result<Vec<(Sensation, f64)>> {
     let probe = Party::Thing(stage.probe_thing(0));
     stage.send_probe(0, done.path.clone())?;
     let end = done.path.end() + PATIENCE;

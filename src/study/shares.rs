@@ -10,10 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::run::TrialRecord;
 use super::{Asked, Findings, StudyOptions, StudyRun};
-use crate::session::{
-    Action, ExperimentError, RecordError, STUDY_SHARE_FILE, ShareRecord, Shares, Unready, files, made_shares,
-    write_whole,
-};
+use crate::error::Error;
+use crate::session::{STUDY_SHARE_FILE, ShareRecord, Shares, Unready, files, made_shares, write_whole};
 use crate::share::Share;
 
 /// Trials of a study at most.
@@ -45,13 +43,13 @@ impl ShareRecord for StudyShare {
     const FILE: &'static str = STUDY_SHARE_FILE;
     const OF: &'static str = "study";
 
-    fn read(folder: &Path) -> Result<StudyShare, ExperimentError> {
+    fn read(folder: &Path) -> Result<StudyShare, Error> {
         let file = folder.join(STUDY_SHARE_FILE);
         let share: StudyShare = read(&file, "the share of a study of this version")?;
         let StudyOptions { trials, seed, .. } = share.asked.options;
         if trials > MOST_TRIALS || seed.checked_add(trials).is_none() {
             let why = "no study has so many trials: remove it and make its share again";
-            return Err(ExperimentError::unfit(&file, why));
+            return Err(Error::unfit(&file, why));
         }
         Ok(share)
     }
@@ -78,7 +76,7 @@ impl StudyShare {
     ///
     /// # Errors
     /// If it cannot be read, or is something else.
-    pub fn read(folder: &Path) -> Result<StudyShare, ExperimentError> {
+    pub fn read(folder: &Path) -> Result<StudyShare, Error> {
         ShareRecord::read(folder)
     }
 
@@ -87,12 +85,12 @@ impl StudyShare {
     ///
     /// # Errors
     /// If the folder holds another study's, something cannot be written, or cannot be measured at all.
-    pub fn make(&self, run: &StudyRun, folder: &Path, made: impl Fn() + Sync) -> Result<(), ExperimentError> {
+    pub fn make(&self, run: &StudyRun, folder: &Path, made: impl Fn() + Sync) -> Result<(), Error> {
         if StudyShare::is_in(folder) {
             StudyShare::read(folder)?.check(folder, self)?;
         } else {
             let trials = folder.join(TRIALS_FOLDER);
-            fs::create_dir_all(&trials).map_err(RecordError::io(&trials, Action::Write))?;
+            fs::create_dir_all(&trials).map_err(Error::unwritable(&trials))?;
             write(&folder.join(STUDY_SHARE_FILE), self)?;
         }
         self.missing(folder).into_par_iter().try_for_each(|seed| {
@@ -130,7 +128,7 @@ impl MadeTrials {
     ///
     /// # Errors
     /// If a file cannot be read, or shares are not of one study.
-    pub fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, ExperimentError> {
+    pub fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, Error> {
         let made = match made_shares::<StudyShare>(shares)? {
             Ok(made) => made,
             Err(unready) => return Ok(Err(unready)),
@@ -145,7 +143,7 @@ impl MadeTrials {
     ///
     /// # Errors
     /// If a file cannot be read, or holds no trial.
-    pub fn findings(self) -> Result<Findings, ExperimentError> {
+    pub fn findings(self) -> Result<Findings, Error> {
         let trial = |file: &PathBuf| read::<TrialRecord>(file, "a trial of a study");
         Findings::of(self.asked, self.files.values().map(trial).collect::<Result<_, _>>()?)
     }
@@ -156,18 +154,14 @@ fn trial_file(folder: &Path, seed: u64) -> PathBuf {
 }
 
 /// Writes a file whole or not at all.
-fn write(path: &Path, content: &impl Serialize) -> Result<(), ExperimentError> {
-    let text =
-        serde_json::to_string(content).map_err(|error| ExperimentError::unfit(path, error.to_string()))?;
-    Ok(write_whole(path, format!("{text}\n").as_bytes()).map_err(RecordError::io(path, Action::Write))?)
+fn write(path: &Path, content: &impl Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string(content).map_err(|error| Error::unfit(path, error.to_string()))?;
+    Ok(write_whole(path, format!("{text}\n").as_bytes()).map_err(Error::unwritable(path))?)
 }
 
-fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, ExperimentError> {
+fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Error> {
     let text = files::read(path)?;
     serde_json::from_slice(&text).map_err(|error| {
-        ExperimentError::unfit(
-            path,
-            format!("it is not {what} ({error}): remove it and make its share again"),
-        )
+        Error::unfit(path, format!("it is not {what} ({error}): remove it and make its share again"))
     })
 }

@@ -6,13 +6,14 @@ use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::creature::{Body, JointSelection};
 use crate::deadline::apart;
+use crate::error::Error;
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::senses::Touch;
 use crate::session::touches::all_touches;
-use crate::session::{Embodied, ExperimentError, LearningOptions, own_body};
+use crate::session::{Embodied, LearningOptions, own_body};
 use crate::simulation::{MotionName, Stage, StageOptions, Thing};
 
 /// Mean held-out error at which a learner without a verdict of its own counts as converged, millimetres.
@@ -50,7 +51,7 @@ impl Subject {
     ///
     /// # Errors
     /// If it cannot babble.
-    pub fn new(embodied: Embodied) -> Result<Subject, ExperimentError> {
+    pub fn new(embodied: Embodied) -> Result<Subject, Error> {
         embodied.babbler(MotionName::default())?;
         Ok(Subject { embodied, known: None })
     }
@@ -64,7 +65,7 @@ impl Subject {
         session: Option<&Path>,
         touches: usize,
         seed: u64,
-    ) -> Result<Subject, ExperimentError> {
+    ) -> Result<Subject, Error> {
         let own = match session {
             None => {
                 let touches = self.babble(touches, seed)?;
@@ -74,7 +75,7 @@ impl Subject {
             Some(folder) => {
                 let (session, own) = own_body(folder)?;
                 if session.agent.creature() != self.agent().creature() {
-                    return Err(ExperimentError::unfit(
+                    return Err(Error::unfit(
                         folder,
                         format!(
                             "the session is of another creature, or of other joints, than {} with --joints {}: give the \
@@ -122,8 +123,8 @@ impl Subject {
     }
 
     /// What it has learned of its body before the trials, and the truth of the same.
-    pub(super) fn known(&self) -> Result<&[Knowledge; 2], ExperimentError> {
-        self.known.as_ref().ok_or_else(|| ExperimentError::refused("it has not learned its body"))
+    pub(super) fn known(&self) -> Result<&[Knowledge; 2], Error> {
+        self.known.as_ref().ok_or_else(|| Error::usage("it has not learned its body"))
     }
 
     /// The creature on a stage, with probes that touch it and things about it.
@@ -132,18 +133,18 @@ impl Subject {
         joints: &JointSelection,
         probes: &[&str],
         things: Vec<Thing>,
-    ) -> Result<Stage, ExperimentError> {
+    ) -> Result<Stage, Error> {
         let options = StageOptions {
             joints: joints.clone(),
             root: self.body().root_name().map(str::to_string),
             probes: probes.iter().map(|name| name.to_string()).collect(),
             things,
         };
-        Stage::new(self.model(), &options).map_err(ExperimentError::simulation(self.model()))
+        Stage::new(self.model(), &options).map_err(Error::of_model(self.model()))
     }
 
     /// Exact touches at random, on one thread: trials share the others.
-    pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<Touch>, ExperimentError> {
+    pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<Touch>, Error> {
         let babbler = self.embodied.babbler(MotionName::default())?;
         let options = BabblingOptions { touches, seed, jobs: 1 };
         Ok(all_touches(self.model(), &babbler, PolicyName::Random, &options)?.0)

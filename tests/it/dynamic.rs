@@ -11,7 +11,7 @@ use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, Learner, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::senses::{ContactReader, Reading, Touch};
-use bodyschema::session::{RecordError, TOUCHES_FILE, TouchWriter, read_touches};
+use bodyschema::session::{TOUCHES_FILE, TouchWriter, read_touches};
 use bodyschema::simulation::{Ending, MotionName, MotionUntilTouch, Movers};
 use bodyschema::skin::{GrowOptions, grow};
 use rand::SeedableRng;
@@ -52,7 +52,7 @@ fn touches(babbler: &Babbler, touches: usize, seed: u64, jobs: usize) -> Vec<Tou
     let options = BabblingOptions { touches, seed, jobs };
     let receive = |touch: &Touch| {
         made.push(touch.clone());
-        Ok::<(), RecordError>(())
+        Ok(())
     };
     let effort = babbler.babble(&options, receive).unwrap();
     assert!(effort.simulated_s > 0.0);

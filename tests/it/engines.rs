@@ -84,7 +84,7 @@ fn touches(creature: &str) -> Vec<Written> {
             contacts: touch.ends.map(|end| end.contact.into()),
             limbs: touch.ends.map(|end| skin.receptors[end.receptor].limb),
         });
-        Ok::<(), std::convert::Infallible>(())
+        Ok(())
     };
     babbler.babble(&BabblingOptions { touches: TOUCHES, seed: 1, jobs: 2 }, write).unwrap();
     made

@@ -9,7 +9,8 @@ use syn::{Item, UseTree, Visibility};
 use crate::common::repository;
 
 /// The folders of `src/` from the bottom to the top; those on a line do not use each other. Each uses only what is below.
-const FLOORS: [&[&str]; 18] = [
+const FLOORS: [&[&str]; 19] = [
+    &["error"],
     &["deadline", "geometry", "named"],
     &["mujoco", "plausible"],
     &["creature", "share"],

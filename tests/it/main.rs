@@ -19,6 +19,7 @@ mod disturbance;
 mod documents;
 mod dynamic;
 mod engines;
+mod errors;
 mod export;
 mod felt_shape;
 mod files;

@@ -1,6 +1,5 @@
 //! Policies of babbling: the same touches whatever the threads, with fewer motions.
 
-use std::convert::Infallible;
 use std::fs;
 use std::process::Command;
 
@@ -27,7 +26,7 @@ fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (V
         if let Made::Touch(touch) = news {
             made.push(touch.clone());
         }
-        Ok::<(), Infallible>(())
+        Ok(())
     };
     let (effort, _) = babbler.babble_by(policy, &options, receive).unwrap();
     (made, effort)

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use bodyschema::Error;
 use bodyschema::agent::Agent;
 use bodyschema::creature::{AuraLimb, Creature, Dof, DofKind, Joint};
 use bodyschema::geometry::Shape;
@@ -135,7 +136,7 @@ fn log_of(count: usize) -> (TempDir, PathBuf) {
 }
 
 /// The error's sentence, after a check that it names the file, the line if there is one, and a mend.
-fn sentence(error: &RecordError, path: &Path, line: Option<usize>) -> String {
+fn sentence(error: &Error, path: &Path, line: Option<usize>) -> String {
     let text = error.to_string();
     let place = line.map_or(path.display().to_string(), |line| format!("{}, line {line}", path.display()));
     assert!(text.starts_with(&format!("{place}: ")), "{text}");

@@ -11,9 +11,9 @@ use serde_json::Value;
 
 use crate::agent::Agent;
 use crate::creature::{AuraLimb, Coupling, Creature, Dof, DofKind, Joint};
+use crate::error::Error;
 use crate::geometry::Shape;
-use crate::session::record_error::ContentFault;
-use crate::session::{RecordError, files};
+use crate::session::files;
 use crate::skin::{Receptor, Skin, Surface};
 
 /// A creature's file, read.
@@ -52,14 +52,14 @@ pub struct CreatureFile {
 /// [`Shape`](crate::geometry::Shape) says.
 ///
 /// # Errors
-/// [`RecordError::Io`] if the file cannot be read; [`RecordError::Format`], with the field, if it is no
+/// If the file cannot be read, or, with the field, if it is no
 /// such file.
-pub fn read_creature(path: &Path) -> Result<CreatureFile, RecordError> {
+pub fn read_creature(path: &Path) -> Result<CreatureFile, Error> {
     let bytes = files::read(path)?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let value: Value = serde_json::from_slice(text)
-        .map_err(|error| RecordError::json(path, "description of a creature", &error))?;
-    parse(value).map_err(|message| RecordError::format(path, None, message))
+        .map_err(|error| Error::json(path, "description of a creature", &error))?;
+    parse(value).map_err(|message| Error::content(path, None, message))
 }
 
 /// One of a list, by its name or its index (from 0).
@@ -143,7 +143,7 @@ struct SurfaceEntry {
     shape: Shape,
 }
 
-fn parse(mut file: Value) -> Result<CreatureFile, ContentFault> {
+fn parse(mut file: Value) -> Result<CreatureFile, String> {
     let seed = file.get("seed").and_then(Value::as_u64);
     let skin = file.as_object_mut().and_then(|file| file.remove("skin"));
     let (creature, at) = match file.as_object_mut().and_then(|file| file.remove("creature")) {
@@ -160,7 +160,7 @@ fn parse(mut file: Value) -> Result<CreatureFile, ContentFault> {
 }
 
 /// A value as a type, an error with the place.
-fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, ContentFault> {
+fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
         let place = format!("{at}{}", if path == "." { "" } else { &path });
@@ -173,7 +173,7 @@ fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, ContentFault>
 
 impl NameOrIndex {
     /// Its index among limbs.
-    fn among(&self, limbs: &[String], place: &str) -> Result<usize, ContentFault> {
+    fn among(&self, limbs: &[String], place: &str) -> Result<usize, String> {
         match self {
             NameOrIndex::Index(index) => Ok(*index),
             NameOrIndex::Name(name) => limbs.iter().position(|other| other == name).ok_or_else(|| {
@@ -184,7 +184,7 @@ impl NameOrIndex {
 }
 
 impl CreatureEntry {
-    fn creature(self, at: &str) -> Result<Creature, ContentFault> {
+    fn creature(self, at: &str) -> Result<Creature, String> {
         let CreatureEntry { name, limbs, joints, aura_limbs } = self;
         let dofs: Vec<String> =
             joints.iter().flat_map(|joint| &joint.dofs).map(|dof| dof.name.clone()).collect();
@@ -206,7 +206,7 @@ impl CreatureEntry {
             let own = own.map(|(d, dof)| dof.dof(&dofs, &format!("{place}.dofs[{d}]")));
             made.push(Joint::new(joint.name, parent, own.collect::<Result<_, _>>()?));
         }
-        let aura = |(i, aura): (usize, AuraEntry)| -> Result<AuraLimb, ContentFault> {
+        let aura = |(i, aura): (usize, AuraEntry)| -> Result<AuraLimb, String> {
             let of = aura.limbs.iter().enumerate();
             let of = of.map(|(k, limb)| limb.among(&limbs, &format!("{at}aura_limbs[{i}].limbs[{k}]")));
             Ok(AuraLimb { name: aura.name, limbs: of.collect::<Result<_, _>>()? })
@@ -218,7 +218,7 @@ impl CreatureEntry {
 
 impl DofEntry {
     /// The degree of freedom; `dofs` are the names of all.
-    fn dof(self, dofs: &[String], place: &str) -> Result<Dof, ContentFault> {
+    fn dof(self, dofs: &[String], place: &str) -> Result<Dof, String> {
         let range = match (self.range, self.kind) {
             (Some(range), _) => range,
             (None, DofKind::Hinge) => [-PI, PI],
@@ -238,20 +238,20 @@ impl DofEntry {
                     })?
                 }
             };
-            Ok::<Coupling, ContentFault>(Coupling { leader, polynomial })
+            Ok::<Coupling, String>(Coupling { leader, polynomial })
         });
         Ok(Dof { name: self.name, kind: self.kind, range, follows: follows.transpose()? })
     }
 }
 
 impl SkinEntry {
-    fn skin(self, limbs: &[String]) -> Result<Skin, ContentFault> {
-        let receptor = |(i, entry): (usize, ReceptorEntry)| -> Result<Receptor, ContentFault> {
+    fn skin(self, limbs: &[String]) -> Result<Skin, String> {
+        let receptor = |(i, entry): (usize, ReceptorEntry)| -> Result<Receptor, String> {
             let limb = entry.limb.among(limbs, &format!("skin.receptors[{i}].limb"))?;
             let ReceptorEntry { id, position, normal, tangent, half_extents, surface, .. } = entry;
             Ok(Receptor { id, limb, position, normal, tangent, half_extents, surface })
         };
-        let surface = |(i, entry): (usize, SurfaceEntry)| -> Result<Surface, ContentFault> {
+        let surface = |(i, entry): (usize, SurfaceEntry)| -> Result<Surface, String> {
             let limb = entry.limb.among(limbs, &format!("skin.surfaces[{i}].limb"))?;
             let SurfaceEntry { origin, rotation, shape, .. } = entry;
             Ok(Surface { limb, origin, rotation, shape, geom: 0 })
@@ -264,7 +264,7 @@ impl SkinEntry {
 }
 
 /// Refuses what a creature from a simulator never has: names that occur twice, and joints that do not move.
-fn check_names(limbs: &[String], dofs: &[String], joints: &[JointEntry]) -> Result<(), ContentFault> {
+fn check_names(limbs: &[String], dofs: &[String], joints: &[JointEntry]) -> Result<(), String> {
     for (names, what) in [(limbs, "limbs"), (dofs, "degrees of freedom")] {
         let mut seen = BTreeSet::new();
         if let Some(twice) = names.iter().find(|name| !seen.insert(*name)) {

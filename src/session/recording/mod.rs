@@ -14,7 +14,6 @@ use nalgebra::Vector3;
 
 pub use creature_file::{CreatureFile, read_creature};
 
-use super::RecordError;
 use super::table::{CellFault, LIMBS, Measure, POINTS, RECEPTORS, Table, read_table};
 use super::touch_columns::{TouchColumns, coordinate_columns, left_out_in_words};
 use super::touch_line::check;
@@ -22,10 +21,10 @@ use super::words::listed;
 use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
 use crate::creature::{Creature, Dof, Posture};
+use crate::error::Error;
 use crate::learning::Input;
 use crate::named::did_you_mean;
 use crate::senses::{Touch, TouchEnd};
-use crate::session::record_error::ContentFault;
 use crate::skin::{Receptor, Skin};
 
 /// Bare receptors of a limb at the most.
@@ -75,9 +74,9 @@ struct RawTouch {
 /// Reads a recording's touches from `path`: JSON or a table of comma-separated values, packed by gzip or not.
 ///
 /// # Errors
-/// [`RecordError::Io`] if the file cannot be read. [`RecordError::Format`], with line and column, for what is
+/// If the file cannot be read, or, with line and column, for what is
 /// no touch of the creature; for a log without touches; and for one whose angles look like degrees.
-pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordError> {
+pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, Error> {
     let creature = agent.creature();
     let columns_of_dof = |dof: &Dof| coordinate_columns(&dof.name, dof.kind);
     let coordinates: Vec<_> = creature.dofs().flat_map(columns_of_dof).collect();
@@ -87,20 +86,20 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, RecordErr
     let mut columns = None;
     if !table.rows.is_empty() || !table.columns.is_empty() {
         let found = columns_of(&mut table, &coordinates);
-        columns = Some(found.map_err(|fault| RecordError::format(path, Some(table.line), fault))?);
+        columns = Some(found.map_err(|fault| Error::content(path, Some(table.line), fault))?);
     }
     for ((line, row), columns) in table.rows.iter().zip(columns.iter().cycle()) {
         match raw_touch(&table, columns, *line, row, creature) {
             Ok(touch) => touches.push(touch),
             Err(CellFault::NotFinite(fault)) => left_out.push((*line, fault)),
-            Err(CellFault::Wrong(fault)) => return Err(RecordError::format(path, Some(*line), fault)),
+            Err(CellFault::Wrong(fault)) => return Err(Error::content(path, Some(*line), fault)),
         }
     }
     let left_out = left_out_in_words(&left_out, table.rows.len());
     if touches.is_empty() {
         let why = left_out.map_or(String::new(), |note| format!(" ({note})"));
         let message = format!("it holds no touch{why}: give one with a touch a line");
-        return Err(RecordError::format(path, None, message));
+        return Err(Error::content(path, None, message));
     }
     posture::refuse_degrees(path, creature, &touches)?;
     let mut notes: Vec<String> = table.notes().chain(left_out).collect();
@@ -176,12 +175,12 @@ fn drop_repeats(touches: &mut Vec<Touch>) -> usize {
 }
 
 /// Gives every touch its limbs and receptors.
-fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, RecordError> {
+fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Error> {
     let skin = agent.skin();
     let creature = agent.creature();
     let refuse = |touch: &RawTouch| {
         let line = touch.line;
-        move |fault: ContentFault| RecordError::format(path, Some(line), fault)
+        move |fault: String| Error::content(path, Some(line), fault)
     };
     let given = skin.receptors.len();
     let mut limbs = Vec::with_capacity(raw.len());
@@ -205,7 +204,7 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Re
             skin.receptors.extend(bare_receptors(&creature.limbs()[limb], limb, points));
         }
     }
-    let agent = agent.with_skin(skin).map_err(|error| RecordError::format(path, None, error.to_string()))?;
+    let agent = agent.with_skin(skin).map_err(|error| Error::content(path, None, error.to_string()))?;
     let skin = agent.skin();
     let mut all_points = true;
     let mut all_receptors = true;
@@ -236,14 +235,14 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Re
         let line = raw.iter().find(without).map(|touch| touch.line);
         let message = "this touch has only receptors and others have only points: give points in every touch, or \
                        receptors in every touch";
-        return Err(RecordError::format(path, line, message));
+        return Err(Error::content(path, line, message));
     }
     let input = if all_receptors { Input::Receptor } else { Input::Contact };
     Ok(Recording { agent, touches, input, notes: Vec::new() })
 }
 
 /// The limb of one end of a touch: where its receptor is, or the one that is named.
-fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, ContentFault> {
+fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
     let skin = agent.skin();
     let creature = agent.creature();
     let end = &touch.ends[k];

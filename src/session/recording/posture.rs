@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::RawTouch;
 use crate::creature::{Creature, DofElement, DofKind};
+use crate::error::Error;
+use crate::session::UNIT_LENGTH;
 use crate::session::angles::{HingeAngles, wide_ranges};
-use crate::session::{RecordError, UNIT_LENGTH};
 
 /// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
 const ROUNDED: f64 = 0.01;
@@ -49,11 +50,7 @@ fn hinges<'a>(creature: &'a Creature, touches: &[RawTouch]) -> Vec<HingeAngles<'
 }
 
 /// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have.
-pub(super) fn refuse_degrees(
-    path: &Path,
-    creature: &Creature,
-    touches: &[RawTouch],
-) -> Result<(), RecordError> {
+pub(super) fn refuse_degrees(path: &Path, creature: &Creature, touches: &[RawTouch]) -> Result<(), Error> {
     let hinges = hinges(creature, touches);
     for hinge in &hinges {
         if let Some((line, angle)) = hinge.degrees() {
@@ -62,11 +59,11 @@ pub(super) fn refuse_degrees(
                  them to radians, and the range as well, or take whole turns off",
                 hinge.name
             );
-            return Err(RecordError::format(path, Some(line), message));
+            return Err(Error::content(path, Some(line), message));
         }
     }
     match hinges.iter().find_map(HingeAngles::impossible) {
-        Some((line, message)) => Err(RecordError::format(path, Some(line), message)),
+        Some((line, message)) => Err(Error::content(path, Some(line), message)),
         None => Ok(()),
     }
 }

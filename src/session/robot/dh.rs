@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 use super::writing::{Written, unsaid_compliance, unsaid_gain};
 use crate::calibration::robot::{Element, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
+use crate::error::Error;
 use crate::model_files::{Edits, GREATEST_TURN, exact};
-use crate::session::RecordError;
 use crate::session::table::{Measure, Table, name_and_unit, read_separated};
 
 /// The root's name.
@@ -54,12 +54,12 @@ type Fault = (usize, String);
 /// Reads a robot from the bytes of a table; the file is called `path` in messages, and the robot is, too.
 ///
 /// # Errors
-/// Where it is no table of a tree of hinges, slides and fixed joints; [`RecordError`] names the line.
-pub fn read_dh(path: &Path, bytes: &[u8]) -> Result<Robot, RecordError> {
+/// Where it is no table of a tree of hinges, slides and fixed joints; the error names the line.
+pub fn read_dh(path: &Path, bytes: &[u8]) -> Result<Robot, Error> {
     let table = DhTable::read(path, bytes)?;
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("robot");
     let robot = joints(&table).and_then(|joints| robot(name, &joints));
-    robot.map_err(|(line, message)| RecordError::format(path, Some(line), message))
+    robot.map_err(|(line, message)| Error::content(path, Some(line), message))
 }
 
 /// The table `original`, which `robot` was read from, in its own columns and units, with `values` in the place of the numbers
@@ -69,12 +69,7 @@ pub fn read_dh(path: &Path, bytes: &[u8]) -> Result<Robot, RecordError> {
 ///
 /// # Errors
 /// Where `original` is no such table.
-pub fn write_dh(
-    path: &Path,
-    original: &[u8],
-    robot: &Robot,
-    values: &[Value],
-) -> Result<Written, RecordError> {
+pub fn write_dh(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, Error> {
     let table = DhTable::read(path, original)?;
     let lines = Lines::of(original);
     let mut edits = Edits::default();
@@ -85,7 +80,7 @@ pub fn write_dh(
             let name = format!("{}.{column}", table.text(row, "joint").unwrap_or_default());
             let Some(quantity) = robot.quantity(&name) else {
                 let message = format!("the robot has no {name}: give the file that it was read from");
-                return Err(RecordError::format(path, Some(*line), message));
+                return Err(Error::content(path, Some(*line), message));
             };
             let value = values[quantity].number();
             match table.at(column) {
@@ -147,11 +142,11 @@ struct DhTable {
 }
 
 impl DhTable {
-    fn read(path: &Path, bytes: &[u8]) -> Result<DhTable, RecordError> {
+    fn read(path: &Path, bytes: &[u8]) -> Result<DhTable, Error> {
         // The mark that some editors put before text.
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut table = read_separated(path, bytes)?;
-        let refused = |line: usize, message: String| Err(RecordError::format(path, Some(line), message));
+        let refused = |line: usize, message: String| Err(Error::content(path, Some(line), message));
         if let Some(line) = table.cut {
             return refused(line, "it ends in the middle of this row: complete it".into());
         }
@@ -162,8 +157,7 @@ impl DhTable {
         }
         let numbers = NUMBERS.map(|(name, measure, _)| (name, Some(measure)));
         let wanted: Vec<_> = WORDS.map(|name| (name, None)).into_iter().chain(numbers).collect();
-        let found =
-            table.assign(&wanted).map_err(|fault| RecordError::format(path, Some(table.line), fault))?;
+        let found = table.assign(&wanted).map_err(|fault| Error::content(path, Some(table.line), fault))?;
         let mut places: Vec<(&'static str, usize)> =
             wanted.iter().zip(found).filter_map(|((name, _), at)| Some((*name, at?))).collect();
         for at in 0..table.columns.len() {

@@ -10,9 +10,9 @@ use serde::de::IgnoredAny;
 use super::{RobotFile, RobotFormat, Written};
 use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, Unit, Value};
 use crate::creature::{Creature, Dof, DofKind, Joint};
+use crate::error::Error;
 use crate::geometry::{Frame, Shape};
 use crate::plausible::GREATEST_LENGTH;
-use crate::session::RecordError;
 
 /// Length of a direction at the most that is given without regard to it.
 const GREATEST_DIRECTION: f64 = 1e6;
@@ -149,11 +149,11 @@ struct MassJson {
 }
 
 /// Reads a robot from the bytes of a JSON file.
-pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<RobotFile, RecordError> {
-    let refuse = |message: String| RecordError::format(path, None, message);
+pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<RobotFile, Error> {
+    let refuse = |message: String| Error::content(path, None, message);
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    let mut value: serde_json::Value = serde_json::from_slice(text)
-        .map_err(|error| RecordError::json(path, "description of a robot", &error))?;
+    let mut value: serde_json::Value =
+        serde_json::from_slice(text).map_err(|error| Error::json(path, "description of a robot", &error))?;
     // Of a session the creature is what is asked for.
     if let Some(creature) = value.get_mut("creature").map(serde_json::Value::take) {
         value = creature;

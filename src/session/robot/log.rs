@@ -22,9 +22,9 @@ use nalgebra::Vector3;
 use crate::calibration::robot::{Element, Knowledge, Posed, Robot, RobotDof, Value};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
+use crate::error::Error;
 use crate::named::did_you_mean;
 use crate::plausible::{is_angle, is_length};
-use crate::session::RecordError;
 use crate::session::angles::{HingeAngles, wide_ranges};
 use crate::session::table::{
     CellFault, Column, LIMBS, Measure, POINTS, Quantity, RECEPTORS, Table, read_table,
@@ -53,8 +53,8 @@ pub struct CalibrationLog {
 /// Reads a log of touches of a robot.
 ///
 /// # Errors
-/// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with line, column and mend, where it is none.
-pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, RecordError> {
+/// If it cannot be read, or, with line, column and fix, if it is none.
+pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, Error> {
     let (table, head) = read(path, robot)?;
     let mut notes: Vec<String> = table.notes().chain(head.columns.note()).collect();
     let mut not_finite = Vec::new();
@@ -62,7 +62,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     let time = |row: &StringRecord| head.columns.text(row, TIME).and_then(|cell| cell.parse().ok());
     let mut by_name: HashMap<(String, [usize; 2]), usize> = HashMap::new();
     for (line, row) in &table.rows {
-        let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
+        let refuse = |fault: String| Error::content(path, Some(*line), fault);
         let read = head.contact(&table, row, robot).and_then(|contact| {
             let links = links_of(&contact.1, robot);
             Ok((contact, links, head.posture(&table, row, robot, links)?))
@@ -114,7 +114,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
         ));
     }
     if touches.is_empty() {
-        return Err(RecordError::format(path, None, "it holds no touch: give one with a touch a line"));
+        return Err(Error::content(path, None, "it holds no touch: give one with a touch a line"));
     }
     let rows = touches.len();
     let repeats = drop_repeats(&mut touches);
@@ -133,12 +133,12 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
 ///
 /// # Errors
 /// As of [`read_calibration_log`]; also where a place is said to be at two positions.
-pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), RecordError> {
+pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
     let (table, head) = read(path, robot)?;
     let own = robot.links.len();
     let mut unsaid = Vec::new();
     for (line, row) in &table.rows {
-        let refuse = |fault: String| RecordError::format(path, Some(*line), fault);
+        let refuse = |fault: String| Error::content(path, Some(*line), fault);
         let Some(name) = head.columns.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
             continue;
         };
@@ -192,13 +192,13 @@ pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), RecordErro
 }
 
 /// A table of a robot's touches, and which column holds what.
-fn read(path: &Path, robot: &Robot) -> Result<(Table, Head), RecordError> {
+fn read(path: &Path, robot: &Robot) -> Result<(Table, Head), Error> {
     let columns_of_dof = |dof: &RobotDof| coordinate_columns(&dof.name, dof.kind);
     let coordinates: Vec<_> = robot.leaders().flat_map(columns_of_dof).collect();
     let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
     let mut table = read_table(path, &names, None)?;
     let head = Head::new(&mut table, robot, &coordinates);
-    let head = head.map_err(|fault| RecordError::format(path, Some(1), fault))?;
+    let head = head.map_err(|fault| Error::content(path, Some(1), fault))?;
     Ok((table, head))
 }
 
@@ -420,7 +420,7 @@ fn check_angles(
     robot: &Robot,
     head: &Head,
     touches: &[Touch],
-) -> Result<Vec<String>, RecordError> {
+) -> Result<Vec<String>, Error> {
     let hinges = || robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge);
     let mut notes: Vec<String> =
         wide_ranges(hinges().map(|dof| (dof.name.as_str(), dof.range))).into_iter().collect();
@@ -433,12 +433,12 @@ fn check_angles(
                 "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
                 dof.name, dof.name
             );
-            return Err(RecordError::format(path, Some(1), message));
+            return Err(Error::content(path, Some(1), message));
         }
         // What follows another has a range of its own, and an encoder may count otherwise than its joint.
         let leads = robot.leaders().any(|leader| leader.name == dof.name);
         if let Some((line, message)) = hinge.impossible().filter(|_| leads) {
-            return Err(RecordError::format(path, Some(line), message));
+            return Err(Error::content(path, Some(line), message));
         }
         notes.extend(hinge.note().filter(|_| leads));
     }
@@ -452,7 +452,7 @@ fn refuse_millimetres(
     table: &Table,
     head: &Head,
     touches: &[Touch],
-) -> Result<(), RecordError> {
+) -> Result<(), Error> {
     let size = reach(robot).max(0.05);
     for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
         let Some(at) = head.columns.place(x) else { continue };
@@ -475,7 +475,7 @@ fn refuse_millimetres(
                  {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",
                 robot.name
             );
-            return Err(RecordError::format(path, Some(1), message));
+            return Err(Error::content(path, Some(1), message));
         }
     }
     Ok(())

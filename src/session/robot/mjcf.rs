@@ -10,10 +10,10 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, Value};
-use crate::creature::{BodyError, DofKind, body_name, creatures, joint_name, limits, matrix, span};
+use crate::creature::{DofKind, body_name, creatures, joint_name, limits, matrix, no_joints, span};
+use crate::error::Error;
 use crate::geometry::{Frame, Shape};
-use crate::mujoco::{self, Equality, GeomKind, JointKind, Model, ModelJoint};
-use crate::session::RecordError;
+use crate::mujoco::{Equality, GeomKind, JointKind, Model, ModelJoint};
 
 /// Reads a robot from an MJCF file and what it includes, in its maker's frames, and tells what of the file is of no use here,
 /// a sentence each. Of a model that stands on the world the world is the root; of one that a free joint carries the body
@@ -22,15 +22,12 @@ use crate::session::RecordError;
 ///
 /// # Errors
 /// Where MuJoCo does not take it, or nothing in it can move.
-pub fn read_mjcf(path: &Path) -> Result<(Robot, Vec<String>), RecordError> {
-    let (model, left_out) = Model::read(path).map_err(|error| match error {
-        mujoco::Error::Read { path, line, message } => RecordError::Format { path, line, message },
-        other => RecordError::format(path, None, other.to_string()),
-    })?;
+pub fn read_mjcf(path: &Path) -> Result<(Robot, Vec<String>), Error> {
+    let (model, left_out) = Model::read(path).map_err(Error::from).map_err(Error::of_model(path))?;
     // Of two trees with as many joints the first.
     let largest = creatures(&model).into_iter().rev().max_by_key(|creature| creature.joints);
     let Some(top) = largest.map(|creature| creature.root) else {
-        return Err(RecordError::format(path, None, BodyError::NoJoints.to_string()));
+        return Err(no_joints().at(path, None));
     };
     let root = if is_free(&model, top) { top } else { 0 };
     let mut reader = Reader {

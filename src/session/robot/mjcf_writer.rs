@@ -12,11 +12,11 @@ use super::mjcf::{read_mjcf, surface_name};
 use super::writing::{Written, is_to_be_found, unsaid_compliance, unsaid_gain};
 use crate::calibration::robot::{Element, Form, Posed, Robot, Value};
 use crate::creature::DofKind;
+use crate::error::Error;
 use crate::geometry::Frame;
 use crate::model_files::{
     Angles, Change, Element as Tag, ORIENTATIONS, Source, XmlEdits, escape, exact, negative, new_element,
 };
-use crate::session::RecordError;
 
 /// How the format is called in what is left out.
 const FORMAT: &str = "MJCF";
@@ -32,12 +32,7 @@ const MAKERS: [&str; 5] = ["frame", "replicate", "composite", "flexcomp", "attac
 ///
 /// # Errors
 /// Where it is no MJCF any more.
-pub fn write_mjcf(
-    path: &Path,
-    original: &[u8],
-    robot: &Robot,
-    values: &[Value],
-) -> Result<Written, RecordError> {
+pub fn write_mjcf(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, Error> {
     let source = Source::of_bytes(path, original)?;
     let mut writer = Writer {
         // What the file says, without what was added since.

@@ -22,9 +22,10 @@ pub use writing::Written;
 
 use crate::calibration::robot::{Knowledge, Robot, Value};
 use crate::creature::Creature;
+use crate::error::Error;
 use crate::learning::KnownJoint;
 use crate::model_files::{begins_as, first_letter};
-use crate::session::{RecordError, files};
+use crate::session::files;
 
 /// What a robot's file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,16 +68,16 @@ pub fn is_mjcf(path: &Path) -> bool {
 /// content.
 ///
 /// # Errors
-/// [`RecordError::Io`] where it cannot be read; [`RecordError::Format`], with the place and the mend, where it is none.
-pub fn read_robot(path: &Path) -> Result<RobotFile, RecordError> {
+/// If it cannot be read, or, with the place and the fix, if it is none.
+pub fn read_robot(path: &Path) -> Result<RobotFile, Error> {
     let read = read_any(path)?;
     match possible::fault(&read.robot) {
-        Some(fault) => Err(RecordError::format(path, None, fault)),
+        Some(fault) => Err(Error::content(path, None, fault)),
         None => Ok(read),
     }
 }
 
-fn read_any(path: &Path) -> Result<RobotFile, RecordError> {
+fn read_any(path: &Path) -> Result<RobotFile, Error> {
     let bytes = files::read(path)?;
     let plain = |mut robot: Robot, format, notes, bytes| {
         robot.mount_all();
@@ -99,7 +100,7 @@ fn read_any(path: &Path) -> Result<RobotFile, RecordError> {
             let (robot, notes) = urdf::read_urdf(path, &bytes)?;
             Ok(plain(robot, RobotFormat::Urdf, notes, bytes))
         }
-        Some(_) if log::is_log(&bytes) => Err(RecordError::format(
+        Some(_) if log::is_log(&bytes) => Err(Error::content(
             path,
             Some(1),
             "it is a log of touches, where a robot belongs: give the robot first, then the log",
@@ -114,8 +115,8 @@ impl RobotFile {
     /// What it cannot say is told.
     ///
     /// # Errors
-    /// [`RecordError::Format`] where the file has no place for them.
-    pub fn with_values(&self, path: &Path, values: &[Value]) -> Result<Written, RecordError> {
+    /// If the file has no place for them.
+    pub fn with_values(&self, path: &Path, values: &[Value]) -> Result<Written, Error> {
         match self.format {
             RobotFormat::Json => Ok(json::with_values(&self.bytes, &self.robot, values)),
             RobotFormat::Urdf => Ok(urdf_writer::write_urdf(path, &self.bytes, &self.robot, values)?),

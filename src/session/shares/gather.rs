@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::session::{ExperimentError, Shares};
+use crate::error::Error;
+use crate::session::Shares;
 use crate::share::Share;
 
 /// What the folder of a share records about it.
@@ -16,7 +17,7 @@ pub trait ShareRecord: Sized {
     ///
     /// # Errors
     /// If the file cannot be read, or is something else.
-    fn read(folder: &Path) -> Result<Self, ExperimentError>;
+    fn read(folder: &Path) -> Result<Self, Error>;
     /// The name of the share, as in `3/16`; `None` if it is no share.
     fn share(&self) -> Option<&str>;
     /// How it was asked for, word by word.
@@ -35,7 +36,7 @@ pub trait ShareRecord: Sized {
     ///
     /// # Errors
     /// If it is not.
-    fn check(&self, folder: &Path, asked: &Self) -> Result<(), ExperimentError> {
+    fn check(&self, folder: &Path, asked: &Self) -> Result<(), Error> {
         let why = match self.difference(asked) {
             _ if self.share() != asked.share() => "it is not of the share asked for".to_string(),
             Some(difference) => {
@@ -45,7 +46,7 @@ pub trait ShareRecord: Sized {
             None => return Ok(()),
         };
         let why = format!("{why}: give another folder with --out");
-        Err(ExperimentError::unfit(&folder.join(Self::FILE), why))
+        Err(Error::unfit(&folder.join(Self::FILE), why))
     }
 }
 
@@ -76,9 +77,7 @@ pub type MadeShares<R> = Vec<(Share, PathBuf, R)>;
 ///
 /// # Errors
 /// If a record cannot be read, or the shares are not all of the same work.
-pub fn made_shares<R: ShareRecord>(
-    shares: &Shares,
-) -> Result<Result<MadeShares<R>, Unready>, ExperimentError> {
+pub fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<MadeShares<R>, Unready>, Error> {
     let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
     let mut made: MadeShares<R> = Vec::new();
     for (share, folder) in shares.begun() {
@@ -88,7 +87,7 @@ pub fn made_shares<R: ShareRecord>(
             continue;
         }
         let record = R::read(folder)?;
-        let unfit = |why: String| Err(ExperimentError::unfit(&folder.join(R::FILE), why));
+        let unfit = |why: String| Err(Error::unfit(&folder.join(R::FILE), why));
         if record.share() != Some(share.to_string().as_str()) {
             return unfit(format!(
                 "it is not of share {share}: move it where it belongs, or make that share again"

@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use super::ShareRecord;
 use crate::babbling::{BoutsDone, Made};
+use crate::error::Error;
 use crate::session::babbling::{check_same, new_session};
 use crate::session::{
-    BOUTS_FILE, BabblingEffort, BoutLine, BoutLog, Embodied, ExperimentError, FolderLock, Observer, Phase,
-    Provenance, RecordError, SESSION_FILE, Session, SessionSetup, TouchWriter, read_bouts,
+    BOUTS_FILE, BabblingEffort, BoutLine, BoutLog, Embodied, FolderLock, Observer, Phase, Provenance,
+    SESSION_FILE, Session, SessionSetup, TouchWriter, read_bouts,
 };
 use crate::share::Share;
 
@@ -37,7 +38,7 @@ impl<'a> BabblingShare<'a> {
         share: Share,
         lock: &FolderLock,
         provenance: Provenance,
-    ) -> Result<Option<BabblingShare<'a>>, ExperimentError> {
+    ) -> Result<Option<BabblingShare<'a>>, Error> {
         let folder = lock.folder().to_path_buf();
         let mut session = new_session(embodied, setup, provenance)?;
         session.options.share = Some(share.to_string());
@@ -67,7 +68,7 @@ impl<'a> BabblingShare<'a> {
     ///
     /// # Errors
     /// Where the engine fails or a file cannot be written; a share that was interrupted so can be taken up.
-    pub fn babble(self, observer: &dyn Observer) -> Result<Session, ExperimentError> {
+    pub fn babble(self, observer: &dyn Observer) -> Result<Session, Error> {
         let made = self.made();
         let BabblingShare { embodied, setup, share, folder, mut session, mut log, bouts } = self;
         let babbler = embodied.babbler(setup.motion)?;
@@ -94,9 +95,9 @@ impl<'a> BabblingShare<'a> {
                 }
                 Made::Grown(_) => {}
             }
-            Ok::<(), RecordError>(())
+            Ok::<(), Error>(())
         });
-        let done = done.map_err(ExperimentError::babbling(embodied.model()))?;
+        let done = done.map_err(Error::of_model(embodied.model()))?;
         observer.phase(Phase::Done);
         log.finish()?;
         bout_log.finish()?;
@@ -113,7 +114,7 @@ fn take_up_logs<'a>(
     embodied: &'a Embodied,
     share: Share,
     folder: &Path,
-) -> Result<(TouchWriter<'a>, Vec<BoutLine>), ExperimentError> {
+) -> Result<(TouchWriter<'a>, Vec<BoutLine>), Error> {
     let agent = embodied.agent();
     let bouts = read_bouts(folder)?;
     check_bouts(folder, share, &bouts)?;
@@ -128,7 +129,7 @@ fn take_up_logs<'a>(
 }
 
 /// Whether bouts are those that a share begins with.
-pub(super) fn check_bouts(folder: &Path, share: Share, bouts: &[BoutLine]) -> Result<(), ExperimentError> {
+pub(super) fn check_bouts(folder: &Path, share: Share, bouts: &[BoutLine]) -> Result<(), Error> {
     match bouts.iter().enumerate().find(|(own, bout)| bout.bout != share.piece(*own as u64)) {
         None => Ok(()),
         Some((own, _)) => {
@@ -138,7 +139,7 @@ pub(super) fn check_bouts(folder: &Path, share: Share, bouts: &[BoutLine]) -> Re
                 share.piece(own as u64),
                 folder.display()
             );
-            Err(ExperimentError::unfit(&folder.join(BOUTS_FILE), reason))
+            Err(Error::unfit(&folder.join(BOUTS_FILE), reason))
         }
     }
 }

@@ -15,13 +15,14 @@ pub use together::BabbledShares;
 
 use std::path::Path;
 
-use crate::session::{ExperimentError, SESSION_FILE, Session};
+use crate::error::Error;
+use crate::session::{SESSION_FILE, Session};
 
 impl ShareRecord for Session {
     const FILE: &'static str = SESSION_FILE;
     const OF: &'static str = "session";
 
-    fn read(folder: &Path) -> Result<Session, ExperimentError> {
+    fn read(folder: &Path) -> Result<Session, Error> {
         Ok(Session::read(folder)?)
     }
 

@@ -8,7 +8,8 @@ use super::making::check_bouts;
 use super::{Unready, made_shares};
 use crate::agent::Agent;
 use crate::babbling::RecordedBout;
-use crate::session::{ExperimentError, Session, Shares, TOUCHES_FILE, read_bouts, read_touches};
+use crate::error::Error;
+use crate::session::{Session, Shares, TOUCHES_FILE, read_bouts, read_touches};
 use crate::share::Share;
 
 /// Shares that are all made, of one session.
@@ -27,7 +28,7 @@ impl BabbledShares {
     ///
     /// # Errors
     /// Where a file cannot be read, or the shares are not all of one session.
-    pub fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, ExperimentError> {
+    pub fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, Error> {
         let made = match made_shares::<Session>(shares)? {
             Ok(made) => made,
             Err(unready) => return Ok(Err(unready)),
@@ -60,7 +61,7 @@ impl BabbledShares {
     pub(in crate::session) fn bouts(
         &self,
         agent: &Agent,
-    ) -> Result<impl FnMut(u64) -> Option<RecordedBout> + use<>, ExperimentError> {
+    ) -> Result<impl FnMut(u64) -> Option<RecordedBout> + use<>, Error> {
         let of = self.of;
         let mut made: BTreeMap<Share, Vec<Option<RecordedBout>>> = BTreeMap::new();
         for (share, folder) in &self.folders {
@@ -74,11 +75,7 @@ impl BabbledShares {
 }
 
 /// The bouts of one share.
-fn read_share(
-    folder: &Path,
-    share: Share,
-    agent: &Agent,
-) -> Result<Vec<Option<RecordedBout>>, ExperimentError> {
+fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<Vec<Option<RecordedBout>>, Error> {
     let bouts = read_bouts(folder)?;
     check_bouts(folder, share, &bouts)?;
     let path = folder.join(TOUCHES_FILE);
@@ -100,5 +97,5 @@ fn read_share(
         "lines were added or lost {lost}, for its bouts have other touches: remove {} and make share {share} again",
         folder.display()
     );
-    Err(ExperimentError::unfit(&path, reason))
+    Err(Error::unfit(&path, reason))
 }

@@ -12,7 +12,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::{Body, Posture};
-use crate::mujoco::{self, Data, LONGEST_STEP, Model};
+use crate::error::Result;
+use crate::mujoco::{Data, LONGEST_STEP, Model};
 use crate::senses::{ContactReader, Moment, Proprioception, Reading, TouchEnd};
 use crate::simulation::advancement::ConservativeAdvancement;
 use crate::simulation::motion::{Effort, Ending, MotionUntilTouch};
@@ -48,7 +49,7 @@ impl Physics {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body) -> mujoco::Result<Physics> {
+    pub fn new(body: &Body) -> Result<Physics> {
         let servo = Servo::new(body);
         let levels = servo::levels(body, &servo, LONGEST_STEP, FINER, LEVELS)?;
         Ok(Physics { servo, levels })
@@ -114,7 +115,7 @@ impl<'a> DynamicMover<'a> {
         clearance: ConservativeAdvancement,
         physics: &Physics,
         posture: &[f64],
-    ) -> mujoco::Result<DynamicMover<'a>> {
+    ) -> Result<DynamicMover<'a>> {
         let levels = physics.levels.iter().map(|model| Data::new(model.clone())).collect::<Result<_, _>>()?;
         let mut held = vec![0.0; body.model.nq()];
         body.write_qpos(posture, &mut held);
@@ -145,14 +146,14 @@ impl<'a> DynamicMover<'a> {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn hold(&mut self, seconds: f64) -> mujoco::Result<()> {
+    pub fn hold(&mut self, seconds: f64) -> Result<()> {
         self.stay(seconds, |_| true)?;
         self.posture = self.body.read_posture(&self.state.qpos);
         Ok(())
     }
 
     /// Stays where it is for some seconds at the most, while `goes_on` by its speed.
-    fn stay(&mut self, seconds: f64, goes_on: impl Fn(f64) -> bool) -> mujoco::Result<()> {
+    fn stay(&mut self, seconds: f64, goes_on: impl Fn(f64) -> bool) -> Result<()> {
         let way = self.servo.way(&self.state.qpos, &self.state.qpos);
         let (began, end) = (self.state.time, self.state.time + seconds);
         while self.state.time < end && goes_on(self.speed()) {
@@ -161,7 +162,7 @@ impl<'a> DynamicMover<'a> {
         Ok(())
     }
 
-    fn run(&mut self, way: &ServoPath) -> mujoco::Result<Ending> {
+    fn run(&mut self, way: &ServoPath) -> Result<Ending> {
         let began = self.state.time;
         let end = began + way.duration;
         let mut earlier = None;
@@ -200,7 +201,7 @@ impl<'a> DynamicMover<'a> {
         from: SimulatedState,
         way: &ServoPath,
         began: f64,
-    ) -> mujoco::Result<Option<Fired>> {
+    ) -> Result<Option<Fired>> {
         self.state = from;
         let mut earlier = None;
         for _ in 0..2 * FINER as usize {
@@ -220,13 +221,7 @@ impl<'a> DynamicMover<'a> {
 
     /// Makes one step of a way that began at a time. Where receptors fire that are to be felt, the body stays in the
     /// state in which they do; the poses and contacts of the level's data are those of that state.
-    fn step(
-        &mut self,
-        level: usize,
-        way: &ServoPath,
-        began: f64,
-        feel: bool,
-    ) -> mujoco::Result<Option<Fired>> {
+    fn step(&mut self, level: usize, way: &ServoPath, began: f64, feel: bool) -> Result<Option<Fired>> {
         step(
             &mut self.levels[level],
             (&self.state.qpos, &self.state.qvel),
@@ -305,7 +300,7 @@ impl<'a> DynamicMover<'a> {
 }
 
 impl MotionUntilTouch for DynamicMover<'_> {
-    fn reset(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+    fn reset(&mut self, posture: &[f64]) -> Result<()> {
         // What the engine begins its solver with must not depend on the bout before.
         self.levels.iter_mut().try_for_each(Data::reset)?;
         self.body.write_qpos(posture, &mut self.state.qpos);
@@ -318,7 +313,7 @@ impl MotionUntilTouch for DynamicMover<'_> {
         Ok(())
     }
 
-    fn advance(&mut self, target: &[f64]) -> mujoco::Result<Ending> {
+    fn advance(&mut self, target: &[f64]) -> Result<Ending> {
         self.effort.motions += 1;
         if self.touched.take().is_some() {
             self.stay(RESTING, |speed| speed > AT_REST)?;
@@ -338,7 +333,7 @@ impl MotionUntilTouch for DynamicMover<'_> {
         self.proprioception.draw_noise_from(noise);
     }
 
-    fn felt_posture(&mut self) -> mujoco::Result<Posture> {
+    fn felt_posture(&mut self) -> Result<Posture> {
         self.proprioception.read(self.body, &self.posture)
     }
 

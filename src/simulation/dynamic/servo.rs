@@ -10,7 +10,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::creature::Body;
 use crate::creature::ball;
-use crate::mujoco::{self, Data, JointKind, Model};
+use crate::error::Result;
+use crate::mujoco::{Data, JointKind, Model};
 
 /// How fast a servo makes up for what it lags behind, radians per second.
 const STIFFNESS: f64 = 25.0;
@@ -166,11 +167,11 @@ pub(super) fn levels(
     longest: f64,
     finer: f64,
     count: usize,
-) -> mujoco::Result<Vec<Arc<Model>>> {
+) -> Result<Vec<Arc<Model>>> {
     let first = body.model.timestep().min(longest);
     let step = |level: usize| first / finer.powi(level as i32);
     // From the model as it was declared: the engine cannot copy one whose excludes are gone.
     let model =
         |level| body.declared.simulated(step(level), &servo.rigid, false)?.touching_with(body.surface());
-    (0..count).map(|level| model(level).map(Arc::new)).collect()
+    (0..count).map(|level| Ok(Arc::new(model(level)?))).collect()
 }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::stimulation::{STEP, SkinPoint, Stimulation, Strokes, TRIES, evened_out};
-use crate::mujoco;
+use crate::error::Error;
 use crate::senses::{SkinContact, TouchEvent, TouchKind};
 use crate::simulation::{ProbePath, STIFFNESS, Stage, StepSenses};
 
@@ -107,7 +107,7 @@ fn turned(along: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector3<f6
 ///
 /// # Errors
 /// Where the engine fails, or `each`.
-pub fn stroke_for<E: From<mujoco::Error>>(
+pub fn stroke_for<E: From<Error>>(
     stage: &Stage,
     seconds: f64,
     rng: &mut ChaCha8Rng,

@@ -8,5 +8,5 @@ mod script;
 mod stimulation;
 
 pub use caress::stroke_for;
-pub use script::{Script, ScriptError};
+pub use script::Script;
 pub use stimulation::{Stimulation, Strokes};

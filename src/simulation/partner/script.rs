@@ -5,7 +5,8 @@ use std::path::Path;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::given_file::{self, shortened};
+use crate::error::Error;
+use crate::given_file;
 use crate::simulation::{PROBE_RADIUS, ProbePath, Stage};
 
 /// Where a probe's tip or middle is to be at a time.
@@ -30,24 +31,6 @@ struct ScriptedProbe {
     path: Vec<Waypoint>,
 }
 
-/// Why a script cannot be followed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ScriptError {
-    /// It cannot be read: a sentence that names the file, the place and the mend.
-    #[error("{0}")]
-    Unreadable(String),
-    /// It names a receptor that the creature does not have.
-    #[error("\"{probe}\" goes to the receptor \"{receptor}\", which {creature} has not")]
-    NoReceptor {
-        /// The probe.
-        probe: String,
-        /// The receptor.
-        receptor: String,
-        /// The creature.
-        creature: String,
-    },
-}
-
 /// What is done to the creature.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -59,31 +42,30 @@ impl Script {
     /// Reads a script.
     ///
     /// # Errors
-    /// [`ScriptError::Unreadable`], a sentence that names the file, the place and the mend.
-    pub fn read(path: &Path) -> Result<Script, ScriptError> {
-        let at = path.display();
-        let unreadable = |sentence: String| ScriptError::Unreadable(shortened(sentence));
+    /// If it cannot be read, or is no script.
+    pub fn read(path: &Path) -> Result<Script, Error> {
+        let unreadable = |sentence: String| Error::content(path, None, sentence);
         let text = given_file::read_text(path)
-            .map_err(|error| unreadable(format!("{at}: it cannot be read ({error})")))?;
-        let script: Script = serde_json::from_str(&text)
-            .map_err(|error| unreadable(format!("{at}: {error}: correct it there")))?;
+            .map_err(|error| unreadable(format!("it cannot be read ({error})")))?;
+        let script: Script =
+            serde_json::from_str(&text).map_err(|error| unreadable(format!("{error}: correct it there")))?;
         if script.probes.is_empty() {
-            return Err(unreadable(format!("{at}: it has no probe: give it one at least")));
+            return Err(unreadable("it has no probe: give it one at least".into()));
         }
         for (k, probe) in script.probes.iter().enumerate() {
             let name = &probe.name;
             if name.is_empty() || script.probes[..k].iter().any(|other| other.name == *name) {
                 return Err(unreadable(format!(
-                    "{at}: two probes are called \"{name}\", or one has no name: give each its own"
+                    "two probes are called \"{name}\", or one has no name: give each its own"
                 )));
             }
             if probe.path.is_empty() {
                 return Err(unreadable(format!(
-                    "{at}: the probe \"{name}\" has no path: give it one waypoint at least"
+                    "the probe \"{name}\" has no path: give it one waypoint at least"
                 )));
             }
             for (j, waypoint) in probe.path.iter().enumerate() {
-                let place = format!("{at}: waypoint {} of \"{name}\"", j + 1);
+                let place = format!("waypoint {} of \"{name}\"", j + 1);
                 if waypoint.at.is_some() == waypoint.receptor.is_some() {
                     return Err(unreadable(format!(
                         "{place} needs either \"at\" or \"receptor\": give one of them"
@@ -113,16 +95,17 @@ impl Script {
     /// The ways of its probes about a creature, in the order of [`Script::probes`].
     ///
     /// # Errors
-    /// [`ScriptError::NoReceptor`].
-    pub fn paths(&self, stage: &Stage) -> Result<Vec<ProbePath>, ScriptError> {
+    /// If it names a receptor that the creature does not have.
+    pub fn paths(&self, stage: &Stage) -> Result<Vec<ProbePath>, Error> {
         let place = |probe: &ScriptedProbe, waypoint: &Waypoint| match (&waypoint.at, &waypoint.receptor) {
-            (Some(at), _) => Ok::<_, ScriptError>(Vector3::from(*at)),
+            (Some(at), _) => Ok::<_, Error>(Vector3::from(*at)),
             (None, Some(id)) => {
                 let found = stage.skin().receptor(id).map(|receptor| &stage.skin().receptors[receptor]);
-                let receptor = found.ok_or_else(|| ScriptError::NoReceptor {
-                    probe: probe.name.clone(),
-                    receptor: id.clone(),
-                    creature: stage.agent().creature().name().to_string(),
+                let receptor = found.ok_or_else(|| {
+                    let (probe, creature) = (&probe.name, stage.agent().creature().name());
+                    Error::usage(format!(
+                        "\"{probe}\" goes to the receptor \"{id}\", which {creature} has not"
+                    ))
                 })?;
                 let pose = stage.limb_pose(receptor.limb);
                 let above = receptor.position + receptor.normal * (waypoint.height + PROBE_RADIUS);
@@ -132,7 +115,7 @@ impl Script {
         };
         let path = |probe: &ScriptedProbe| {
             let way = probe.path.iter().map(|waypoint| Ok((waypoint.time, place(probe, waypoint)?)));
-            way.collect::<Result<Vec<_>, ScriptError>>().map(ProbePath)
+            way.collect::<Result<Vec<_>, Error>>().map(ProbePath)
         };
         self.probes.iter().map(path).collect()
     }

@@ -12,10 +12,11 @@ use super::meeting::sorted;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture};
-use crate::mujoco::{self, Data, LONGEST_STEP, Model};
+use crate::error::{Error, Result};
+use crate::mujoco::{Data, LONGEST_STEP, Model};
 use crate::senses::{ContactReader, SENSES, SensingBody};
 use crate::simulation::probe::{self, Probe};
-use crate::simulation::{ProbePath, SelfContact, SimulationError, thing};
+use crate::simulation::{ProbePath, SelfContact, thing};
 use crate::skin::{GrowOptions, grow};
 
 /// Where probes wait, metres along the world's x axis.
@@ -27,7 +28,7 @@ pub fn away(probe: usize) -> Vector3<f64> {
 }
 
 /// See [`super::Stage::new`].
-pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, SimulationError> {
+pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Error> {
     let StageOptions { joints, root, things, probes } = options;
     // Which of the model's trees is the creature must not depend on what touches it.
     let root = match root {
@@ -89,7 +90,7 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
     data.set_qpos(&qpos)?;
     data.forward()?;
     let own = SensingBody { agent: &agent, body: &body, frames: &body.limb_frames(&data) };
-    let senses = SENSES.iter().map(|new| new(&own)).collect::<mujoco::Result<_>>()?;
+    let senses = SENSES.iter().map(|new| new(&own)).collect::<Result<_>>()?;
     let mut core = StageCore {
         body: Arc::new(body),
         agent,
@@ -113,7 +114,7 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Simulatio
 }
 
 /// The name of the first body of the creature of a file.
-fn root_of(path: &Path) -> Result<Option<String>, SimulationError> {
+fn root_of(path: &Path) -> Result<Option<String>, Error> {
     let alone = Body::new(Arc::new(Model::read(path)?.0), &JointSelection::All)?;
     Ok(alone.root_name().map(str::to_string))
 }

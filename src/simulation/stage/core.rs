@@ -9,7 +9,8 @@ use super::meeting::meets;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
-use crate::mujoco::{self, Data, JointKind, Model};
+use crate::error::Result;
+use crate::mujoco::{Data, JointKind, Model};
 use crate::senses::{
     Aura, AuraEvent, ContactReader, FAINT, Sense, SensedStep, SkinContact, SkinSpot, TouchEvent, TouchSensor,
     Toucher,
@@ -67,7 +68,7 @@ impl StageCore {
     }
 
     /// Puts the creature into a posture at once.
-    pub fn place(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+    pub fn place(&mut self, posture: &[f64]) -> Result<()> {
         self.look_for_self_touch()?;
         self.posture = Posture::from(posture);
         let qpos = self.qpos_with(posture);
@@ -77,7 +78,7 @@ impl StageCore {
     }
 
     /// Lets the senses take in the posture that the creature was put into.
-    pub fn feel_placed(&mut self) -> mujoco::Result<()> {
+    pub fn feel_placed(&mut self) -> Result<()> {
         self.each_sense(self.time, &[], |sense, step| sense.place(step))
     }
 
@@ -85,8 +86,8 @@ impl StageCore {
         &mut self,
         time: f64,
         contacts: &[SkinContact],
-        mut take_in: impl FnMut(&mut dyn Sense, &SensedStep) -> mujoco::Result<()>,
-    ) -> mujoco::Result<()> {
+        mut take_in: impl FnMut(&mut dyn Sense, &SensedStep) -> Result<()>,
+    ) -> Result<()> {
         let StageCore { agent, body, posture, data, senses, .. } = self;
         let step = SensedStep { time, agent, body, posture, data, contacts };
         senses.iter_mut().try_for_each(|sense| take_in(sense.as_mut(), &step))
@@ -109,7 +110,7 @@ impl StageCore {
     }
 
     /// Goes on by one step, at whose end the creature is in a posture: all that it feels.
-    pub fn step(&mut self, towards: &[f64]) -> mujoco::Result<StepSenses> {
+    pub fn step(&mut self, towards: &[f64]) -> Result<StepSenses> {
         let time = self.time;
         let contacts = if self.go_on(towards)? { self.contacts() } else { Vec::new() };
         self.each_sense(time, &contacts, |sense, step| sense.step(step))?;
@@ -119,7 +120,7 @@ impl StageCore {
     }
 
     /// Goes on by one step of which nothing is felt yet: whether anything may touch the creature in it.
-    pub fn go_on(&mut self, towards: &[f64]) -> mujoco::Result<bool> {
+    pub fn go_on(&mut self, towards: &[f64]) -> Result<bool> {
         let time = self.time;
         self.time += self.timestep();
         if *towards != *self.posture {
@@ -144,7 +145,7 @@ impl StageCore {
     }
 
     /// Whether anything touches the creature, as far as can be told without forces.
-    fn touches(&mut self) -> mujoco::Result<bool> {
+    fn touches(&mut self) -> Result<bool> {
         let qpos = self.qpos_with(&self.posture);
         self.data.set_qpos(&qpos)?;
         self.data.kinematics()?;
@@ -167,7 +168,7 @@ impl StageCore {
     }
 
     /// One step of the physics, the creature going from one posture to where it is to be.
-    fn advance(&mut self, before: &[f64], time: f64) -> mujoco::Result<()> {
+    fn advance(&mut self, before: &[f64], time: f64) -> Result<()> {
         let duration = self.timestep();
         let mut qpos = self.qpos_with(&self.posture);
         let mut qvel = self.data.qvel().to_vec();
@@ -235,7 +236,7 @@ impl StageCore {
     }
 
     /// From now on contacts of the creature with itself are looked for.
-    pub fn look_for_self_touch(&mut self) -> mujoco::Result<()> {
+    pub fn look_for_self_touch(&mut self) -> Result<()> {
         if let Some(mut data) = self.with_self_touch.take() {
             data.take_state(&self.data)?;
             data.forward()?;

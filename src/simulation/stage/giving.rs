@@ -9,7 +9,8 @@ use super::Stage;
 use super::carrying::{Carried, Carrier, Grip};
 use super::core::StageCore;
 use super::meeting::meets;
-use crate::mujoco::{self, GeomKind};
+use crate::error::Result;
+use crate::mujoco::GeomKind;
 
 /// A stick is so many times as long as it is thick, at the least.
 const SLENDER: f64 = 5.0;
@@ -50,7 +51,7 @@ impl StageCore {
         receptor: usize,
         end: &Vector3<f64>,
         direction: &Vector3<f64>,
-    ) -> mujoco::Result<bool> {
+    ) -> Result<bool> {
         let limb = self.agent.skin().receptors[receptor].limb;
         let Some(direction) = direction.try_normalize(1e-9) else { return Ok(false) };
         let Some((qposadr, dofadr)) = self.free_joint(stick.body) else { return Ok(false) };
@@ -91,7 +92,7 @@ impl StageCore {
 impl Stage {
     /// Puts a stick that nobody holds into a hand, where one of its receptors is, so that it leads where the hand points
     /// or a little aslant and meets nothing; the number of the stick. None where there is no stick, or no room for it.
-    pub(in crate::simulation) fn give_any_stick(&self, receptor: usize) -> mujoco::Result<Option<usize>> {
+    pub(in crate::simulation) fn give_any_stick(&self, receptor: usize) -> Result<Option<usize>> {
         let core = &mut *self.core.borrow_mut();
         let held = |body: usize| core.carried.iter().any(|carried| carried.body == body);
         let free = (0..core.body.model.nbody()).filter(|&body| !held(body));
@@ -126,14 +127,14 @@ impl Stage {
         receptor: usize,
         end: &Vector3<f64>,
         direction: &Vector3<f64>,
-    ) -> mujoco::Result<bool> {
+    ) -> Result<bool> {
         let core = &mut *self.core.borrow_mut();
         let Some(stick) = core.stick(thing) else { return Ok(false) };
         core.put_stick(stick, receptor, end, direction)
     }
 
     /// Takes back the sticks that were given, to where they were.
-    pub(in crate::simulation) fn take_sticks_back(&self) -> mujoco::Result<()> {
+    pub(in crate::simulation) fn take_sticks_back(&self) -> Result<()> {
         let core = &mut *self.core.borrow_mut();
         let (mut qpos, mut qvel) = (core.data.qpos().to_vec(), core.data.qvel().to_vec());
         for carried in &core.carried {

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::Stage;
-use crate::mujoco::{self, Data};
+use crate::error::Result;
+use crate::mujoco::Data;
 use crate::senses::ContactReader;
 
 impl Stage {
@@ -16,7 +17,7 @@ impl Stage {
     ///
     /// # Panics
     /// Where there is no such limb.
-    pub fn grow_limb(&self, limb: usize, length: f64) -> mujoco::Result<()> {
+    pub fn grow_limb(&self, limb: usize, length: f64) -> Result<()> {
         let core = &mut *self.core.borrow_mut();
         core.look_for_self_touch()?;
         let Some(segment) = limb.checked_sub(1).map(|joint| &core.body.segments[joint]) else {

@@ -26,11 +26,12 @@ use nalgebra::{Isometry3, Vector3};
 pub use self::core::StepSenses;
 
 use self::core::StageCore;
-use super::{AgentHandle, ProbePath, SimulationError, Thing};
+use super::{AgentHandle, ProbePath, Thing};
 use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture, body_name};
+use crate::error::{Error, Result};
 use crate::geometry::Frame;
-use crate::mujoco::{self, Data};
+use crate::mujoco::Data;
 use crate::senses::{Approach, Aura, Proprioception, Sense, SkinContact, TouchSensor};
 use crate::skin::{Skin, SomatotopicMap};
 
@@ -64,8 +65,8 @@ impl Stage {
     /// options say. It grows a skin where it has none.
     ///
     /// # Errors
-    /// See [`SimulationError`].
-    pub fn new(path: &Path, options: &StageOptions) -> Result<Stage, SimulationError> {
+    /// If there is no creature in the model, no skin can be grown on it, or the engine refuses it.
+    pub fn new(path: &Path, options: &StageOptions) -> Result<Stage, Error> {
         let core = building::build(path, options)?;
         let (body, agent) = (core.body.clone(), core.agent.clone());
         Ok(Stage { body, agent, core: Rc::new(RefCell::new(core)), watcher: Rc::default() })
@@ -120,7 +121,7 @@ impl Stage {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn place(&self, posture: &[f64]) -> mujoco::Result<()> {
+    pub fn place(&self, posture: &[f64]) -> Result<()> {
         self.core.borrow_mut().place(posture)
     }
 
@@ -128,7 +129,7 @@ impl Stage {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn step(&self) -> mujoco::Result<StepSenses> {
+    pub fn step(&self) -> Result<StepSenses> {
         let posture = self.posture();
         Ok(self.step_towards(&posture)?.0)
     }
@@ -137,14 +138,14 @@ impl Stage {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn step_unfelt(&self) -> mujoco::Result<()> {
+    pub fn step_unfelt(&self) -> Result<()> {
         let posture = self.posture();
         self.core.borrow_mut().go_on(&posture).map(|_| ())
     }
 
     /// Goes on by one step, at whose end the creature is in a posture: what its senses tell, and what its touch sensor
     /// feels now.
-    pub(super) fn step_towards(&self, towards: &[f64]) -> mujoco::Result<(StepSenses, Vec<SkinContact>)> {
+    pub(super) fn step_towards(&self, towards: &[f64]) -> Result<(StepSenses, Vec<SkinContact>)> {
         let mut core = self.core.borrow_mut();
         let senses = core.step(towards)?;
         let present: Vec<SkinContact> = core.sense::<TouchSensor>().present().cloned().collect();
@@ -186,7 +187,7 @@ impl Stage {
     ///
     /// # Panics
     /// Where there is no such probe.
-    pub fn send_probe(&self, probe: usize, path: ProbePath) -> mujoco::Result<()> {
+    pub fn send_probe(&self, probe: usize, path: ProbePath) -> Result<()> {
         let core = &mut *self.core.borrow_mut();
         let Some(start) = path.at(core.time) else { return Ok(()) };
         let (mut qpos, mut qvel) = (core.data.qpos().to_vec(), core.data.qvel().to_vec());
@@ -205,7 +206,7 @@ impl Stage {
     ///
     /// # Panics
     /// Where there is no such probe.
-    pub fn withdraw_probe(&self, probe: usize) -> mujoco::Result<()> {
+    pub fn withdraw_probe(&self, probe: usize) -> Result<()> {
         let away = building::away(probe);
         self.send_probe(probe, ProbePath(vec![(self.time(), away)]))
     }

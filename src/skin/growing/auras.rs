@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::file::{each_body, free_class, insert_behind_geoms, numbers};
 use crate::creature::Body;
+use crate::error::Result;
 use crate::geometry::Frame;
 use crate::model_files::{Element, add_class, element, set_compiler};
-use crate::mujoco::{self, AURA_GEOM, ObjectKind};
+use crate::mujoco::{AURA_GEOM, ObjectKind};
 use crate::skin::aura::{aura_of, on_body};
 use crate::skin::skin_of;
 
@@ -18,7 +19,7 @@ const GROUP: i32 = 5;
 const SHORTEST: f64 = 1e-5;
 
 /// Adds a geom for each aura limb of the creature that has none; how many there are now to be added.
-pub(super) fn add_auras(root: &mut Element, body: &Body, digits: usize) -> mujoco::Result<usize> {
+pub(super) fn add_auras(root: &mut Element, body: &Body, digits: usize) -> Result<usize> {
     let data = body.reference_data()?;
     let frames: Vec<Frame> = body.reference_frames(&data).into_iter().map(Frame::from).collect();
     let all = aura_of(body, &skin_of(body), &frames);

@@ -9,8 +9,9 @@ use std::collections::BTreeSet;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::creature::{Body, UNLIMITED_SLIDE, matrix};
+use crate::error::Result;
 use crate::geometry::{Shape, SurfaceSample};
-use crate::mujoco::{self, Data, JointKind};
+use crate::mujoco::{Data, JointKind};
 use crate::skin::Surface;
 
 /// A point this deep inside another geom is not exposed, metres, on a creature of a metre and more; on
@@ -51,7 +52,7 @@ impl Exposure {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(body: &Body) -> mujoco::Result<Exposure> {
+    pub fn new(body: &Body) -> Result<Exposure> {
         let model = &body.model;
         let mut data = Data::new(model.clone())?;
         let (mut placed, mut poses, mut bodies) = (Vec::new(), Vec::new(), Vec::new());

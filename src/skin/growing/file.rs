@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::auras::add_auras;
-use super::{GrowError, GrowOptions, Sprout, sprouts, wxyz};
-use crate::creature::{Body, BodyError, JointSelection, body_name, joint_name};
+use super::{GrowOptions, Sprout, sprouts, wxyz};
+use crate::creature::{Body, JointSelection, body_name, joint_name};
+use crate::error::Error;
 use crate::geometry::Shape;
 use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, write};
-use crate::mujoco::{self, JointKind, Model, ObjectKind, SensorKind};
+use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::from_model::{skin_of, touch_sites};
 
 /// The default class of the receptors' sites.
@@ -41,7 +42,7 @@ pub struct Grown {
 /// # Errors
 /// Where the file cannot be read, MuJoCo refuses it or it has no creature, where nothing of it can be touched,
 /// or where sites cannot be written into it.
-pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError> {
+pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, Error> {
     grow_skin_rooted(path, None, options)
 }
 
@@ -49,29 +50,22 @@ pub fn grow_skin(path: &Path, options: &GrowOptions) -> Result<Grown, GrowError>
 ///
 /// # Errors
 /// As [`grow_skin`], and where there is no such body.
-pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) -> Result<Grown, GrowError> {
-    let unsuitable = |message: String| GrowError::Unsuitable { path: path.to_path_buf(), message };
+pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) -> Result<Grown, Error> {
+    let unsuitable = |message: &str| Error::model(message).at(path, None);
     let model = Arc::new(Model::read(path)?.0);
-    let body = Body::rooted(model.clone(), &JointSelection::All, root).map_err(|error| match error {
-        BodyError::Engine(error) => GrowError::Engine(error),
-        other => unsuitable(other.to_string()),
-    })?;
-    let mut root = Source::read(path).map_err(mujoco::Error::from)?.root;
+    let body = Body::rooted(model.clone(), &JointSelection::All, root).map_err(Error::of_model(path))?;
+    let mut root = Source::read(path)?.root;
     if root.child("compiler").and_then(|e| e.get("coordinate")) == Some("global") {
-        return Err(unsuitable("it uses global coordinates: convert it to local ones first".into()));
+        return Err(unsuitable("it uses global coordinates: convert it to local ones first"));
     }
     if name_all(&mut root, &body).is_none() {
         // Composites and replicas are not written out in the file; the engine does that.
         let written = Model::written_out(path)?;
-        root = Source::of_text(path, &written).map_err(mujoco::Error::from)?.root;
-        name_all(&mut root, &body).ok_or_else(|| {
-            unsuitable("its bodies are not written out in the file: flatten it first".into())
-        })?;
+        root = Source::of_text(path, &written)?.root;
+        name_all(&mut root, &body)
+            .ok_or_else(|| unsuitable("its bodies are not written out in the file: flatten it first"))?;
     }
-    let sprouts = sprouts(&body, &skin_of(&body), options).map_err(|error| match error {
-        GrowError::Options(message) => unsuitable(message),
-        other => other,
-    })?;
+    let sprouts = sprouts(&body, &skin_of(&body), options).map_err(Error::of_model(path))?;
     let kept = touch_sites(&model).count();
     if sprouts.is_empty() && kept == 0 {
         let meshes = (0..model.ngeom())
@@ -84,7 +78,7 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
         }));
     }
     let auras = add_auras(&mut root, &body, digits(&sprouts))?;
-    let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(fault.to_string()))?;
+    let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(&fault.to_string()))?;
     if !sensors.is_empty() {
         root.section("sensor").children.extend(sensors);
     }

@@ -18,7 +18,6 @@ mod file;
 mod patch_size;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
@@ -26,6 +25,7 @@ use rayon::prelude::*;
 use super::from_model::skin_of;
 use super::{Receptor, Skin};
 use crate::creature::{Body, body_name, matrix};
+use crate::error::Error;
 use crate::geometry::SurfaceSample;
 use crate::mujoco;
 use cells::Patch;
@@ -51,25 +51,6 @@ const REMNANT_OF_GEOM: f64 = 0.1;
 /// Most receptors of a skin.
 const MOST_RECEPTORS: f64 = 20_000.0;
 
-/// Why no skin could be grown.
-#[derive(Debug, thiserror::Error)]
-pub enum GrowError {
-    /// The engine refused the model.
-    #[error(transparent)]
-    Engine(#[from] mujoco::Error),
-    /// No sites can be written into the file.
-    #[error("{path}: {message}")]
-    Unsuitable {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, and the mend.
-        message: String,
-    },
-    /// The options ask for what cannot be.
-    #[error("{0}")]
-    Options(String),
-}
-
 /// A receptor that grew.
 struct Sprout {
     id: String,
@@ -83,9 +64,9 @@ struct Sprout {
 /// has none. It has no receptors where nothing can be touched.
 ///
 /// # Errors
-/// [`GrowError::Options`] where the options do not suit the creature, [`GrowError::Engine`] where the engine
+/// If the options do not suit the creature, or if the engine
 /// fails.
-pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
+pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, Error> {
     Ok(grow_counted(body, options)?.0)
 }
 
@@ -93,7 +74,7 @@ pub fn grow(body: &Body, options: &GrowOptions) -> Result<Skin, GrowError> {
 ///
 /// # Errors
 /// As [`grow`].
-pub(crate) fn grow_counted(body: &Body, options: &GrowOptions) -> Result<(Skin, usize), GrowError> {
+pub(crate) fn grow_counted(body: &Body, options: &GrowOptions) -> Result<(Skin, usize), Error> {
     let mut skin = skin_of(body);
     let own = skin.receptors.len();
     for sprout in sprouts(body, &skin, options)? {
@@ -114,7 +95,7 @@ pub(crate) fn grow_counted(body: &Body, options: &GrowOptions) -> Result<(Skin, 
 }
 
 /// All receptors that a creature still wants beside the `skin` of its model, geom by geom in the model's order.
-fn sprouts(body: &Body, skin: &Skin, options: &GrowOptions) -> Result<Vec<Sprout>, GrowError> {
+fn sprouts(body: &Body, skin: &Skin, options: &GrowOptions) -> Result<Vec<Sprout>, Error> {
     let model = &body.model;
     let exposure = Exposure::new(body)?;
     let own = OwnReceptors::new(body, skin);
@@ -139,7 +120,7 @@ fn sprouts(body: &Body, skin: &Skin, options: &GrowOptions) -> Result<Vec<Sprout
         .sum();
     // What is buried does not count, but who asks for this much has mistaken the unit.
     if wanted > MOST_RECEPTORS || wanted.is_nan() {
-        return Err(GrowError::Options(format!(
+        return Err(Error::model(format!(
             "that makes some {wanted:.0} receptors, more than {MOST_RECEPTORS}: ask for larger patches"
         )));
     }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::GrowError;
 use crate::creature::{LIMB_TUPLE, body_name};
+use crate::error::Error;
 use crate::mujoco::{Model, ObjectKind};
 
 /// Receptors of a creature whose model does not say how fine its skin is, and who is not asked for a size;
@@ -54,7 +54,7 @@ impl GrowOptions {
         model: &Model,
         geoms: &[usize],
         grounds: impl Fn() -> Vec<Ground>,
-    ) -> Result<Vec<f64>, GrowError> {
+    ) -> Result<Vec<f64>, Error> {
         let sound = |value: f64| value > 0.0 && value.is_finite();
         let positive = match self.size {
             PatchSize::Spacing(side) => sound(side),
@@ -62,7 +62,7 @@ impl GrowOptions {
             PatchSize::OfCreature => true,
         };
         if !positive || self.denser.iter().any(|(_, factor)| !sound(*factor)) {
-            return Err(GrowError::Options("sizes and densities must be positive numbers".into()));
+            return Err(Error::model("sizes and densities must be positive numbers"));
         }
         let denser = self.factors(model)?;
         let of_model = receptor_areas(model);
@@ -91,7 +91,7 @@ impl GrowOptions {
     }
 
     /// Per body, how much denser its skin is.
-    fn factors(&self, model: &Model) -> Result<Vec<f64>, GrowError> {
+    fn factors(&self, model: &Model) -> Result<Vec<f64>, Error> {
         let limbs = limb_names(model);
         let mut factors = vec![1.0; model.nbody()];
         for (name, factor) in &self.denser {
@@ -110,7 +110,7 @@ impl GrowOptions {
                 known.sort();
                 known.dedup();
                 let known = known.join(", ");
-                return Err(GrowError::Options(format!("no limb is called {name}; there are {known}")));
+                return Err(Error::model(format!("no limb is called {name}; there are {known}")));
             }
         }
         Ok(factors)

@@ -10,10 +10,10 @@ use serde_json::json;
 
 use super::{Knowledge, OnStage, Row, Scene, THING};
 use crate::creature::Posture;
+use crate::error::Error;
 use crate::geometry::Shape;
 use crate::interaction::{Actor, Avoiding};
 use crate::senses::{SkinContact, Toucher};
-use crate::session::ExperimentError;
 use crate::simulation::{ProbePath, Substance, Thing};
 
 /// Draws of a way until there is one that meets first the limb that it aims at.
@@ -44,7 +44,7 @@ struct Coming {
     met: Vec<usize>,
 }
 
-pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, ExperimentError> {
+pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
     let creature = &scene.subject.body().creature;
     // What nothing moves cannot avoid anything.
     let moves = |aura: &usize| {
@@ -53,7 +53,7 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, ExperimentError> {
     };
     let auras: Vec<usize> = (0..creature.aura_limbs().len()).filter(moves).collect();
     if auras.is_empty() {
-        return Err(ExperimentError::unfit(scene.subject.model(), "no limb of it with receptors moves"));
+        return Err(Error::unfit(scene.subject.model(), "no limb of it with receptors moves"));
     }
     let aimed = auras[scene.number as usize % auras.len()];
     let mut rng = scene.rng(0);
@@ -110,7 +110,7 @@ fn draw(
     aimed: usize,
     postures: &[Posture],
     rng: &mut ChaCha8Rng,
-) -> Result<Option<Coming>, ExperimentError> {
+) -> Result<Option<Coming>, Error> {
     let limbs = actor.own.creature().aura_limbs()[aimed].limbs.clone();
     let receptors = actor.own.receptors_on(&limbs);
     for _ in 0..DRAWS {
@@ -153,7 +153,7 @@ impl Coming {
 
 /// Whether the thing meets first the limbs that it aims at, and from outside, if the creature holds still; and all limbs that it
 /// meets then.
-fn meets(actor: &mut OnStage, coming: &mut Coming, aimed: &[usize]) -> Result<bool, ExperimentError> {
+fn meets(actor: &mut OnStage, coming: &mut Coming, aimed: &[usize]) -> Result<bool, Error> {
     let thing = actor.the_thing()?;
     let began = actor.stage.time();
     let path = coming.path(began, TRIED);
@@ -211,7 +211,7 @@ fn own_touches(actor: &Actor, felt: &[SkinContact]) -> BTreeSet<[usize; 2]> {
 }
 
 /// The creature with what it knows meets a thing; what came of it is measured by the truth.
-fn attempt(actor: &mut OnStage, known: &Knowledge, coming: &Coming) -> Result<Row, ExperimentError> {
+fn attempt(actor: &mut OnStage, known: &Knowledge, coming: &Coming) -> Result<Row, Error> {
     let thing = actor.the_thing()?;
     (actor.own, actor.clearance) = (known.own.clone(), known.clearance.clone());
     let began = actor.stage.time();

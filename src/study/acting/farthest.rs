@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
 use super::{OnStage, Row, Scene, TOP, on_table, shape};
+use crate::error::Error;
 use crate::interaction::Trouble;
-use crate::session::ExperimentError;
 
 /// Draws of a thing until there is one that a hand finds and holds.
 const DRAWS: usize = 20;
@@ -20,7 +20,7 @@ const FELL: f64 = 30.0;
 /// … and what is lower than the table by this, metres, fell off it.
 const BELOW: f64 = 0.01;
 
-pub(super) fn run(scene: &Scene, lean: bool) -> Result<Vec<Row>, ExperimentError> {
+pub(super) fn run(scene: &Scene, lean: bool) -> Result<Vec<Row>, Error> {
     let mut rng = scene.rng(0);
     for _ in 0..DRAWS {
         if let Some((actor, receptor)) = hold(scene, &mut rng)? {
@@ -31,7 +31,7 @@ pub(super) fn run(scene: &Scene, lean: bool) -> Result<Vec<Row>, ExperimentError
 }
 
 /// A creature that has found a random thing and holds it with a receptor of a hand. `None` if it did not come to that.
-fn hold(scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<(OnStage, usize)>, ExperimentError> {
+fn hold(scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<(OnStage, usize)>, Error> {
     let (x, y) = (rng.random_range(0.32..0.5), rng.random_range(-0.3..0.3));
     let thing = on_table(shape(rng), x, y, rng.random_range(0.0..std::f64::consts::PI));
     let hand = usize::from(y < 0.0);
@@ -54,7 +54,7 @@ fn hold(scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<(OnStage, usize)>,
 }
 
 /// Lets a creature put what it holds with a receptor as far away as it can.
-fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result<Row, ExperimentError> {
+fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result<Row, Error> {
     let truth = &scene.truth.own;
     if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
         return Err(error.into());

@@ -6,10 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
 use super::{EDGE, OnStage, Row, Scene, on_table, shape};
+use crate::error::Error;
 use crate::geometry::Shape;
 use crate::interaction::Reply;
 use crate::peripersonal::ReachTarget;
-use crate::session::ExperimentError;
 use crate::simulation::{ProbePath, Stage, Thing};
 
 /// Things on a table at most.
@@ -29,7 +29,7 @@ const THERE: f64 = 0.05;
 /// Things that nobody touches move less than this, metres: the engine lets some glide.
 const STANDS: f64 = 1e-3;
 
-pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, ExperimentError> {
+pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
     let mut rng = scene.rng(0);
     let mut nobody = scene.at_table(scene.truth, &[])?;
     let height = nobody.table_top();
@@ -50,7 +50,7 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, ExperimentError> {
 }
 
 /// Lets a creature count the things on its table, takes one of them away, and lets it count again.
-fn search(actor: OnStage, things: &[Thing], gone: usize) -> Result<Row, ExperimentError> {
+fn search(actor: OnStage, things: &[Thing], gone: usize) -> Result<Row, Error> {
     let (stage, mut talk) = actor.in_conversation()?;
     let start = stage.time();
     let reply = talk.count(None)?;
@@ -176,7 +176,7 @@ fn in_reach(nobody: &mut OnStage, thing: &Thing) -> bool {
 }
 
 /// Whether there are things, and all stay where they are put while nobody touches them.
-fn stand(scene: &Scene, things: &[Thing]) -> Result<bool, ExperimentError> {
+fn stand(scene: &Scene, things: &[Thing]) -> Result<bool, Error> {
     let mut actor = scene.at_table(scene.truth, things)?;
     let touched = actor.wait(0.5)?;
     let stays = |thing: &Thing| {

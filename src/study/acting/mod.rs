@@ -15,10 +15,9 @@ use serde_json::json;
 
 use super::subject::Knowledge;
 use super::{By, Column, Row, Studied, Study, Subject, Trial};
+use crate::error::{Error, Result};
 use crate::geometry::{Capsule, Frame, Shape};
 use crate::interaction::{Actor, Conversation};
-use crate::mujoco;
-use crate::session::ExperimentError;
 use crate::simulation::{Stage, Substance, Thing};
 
 pub(super) const STUDY: Study = Study {
@@ -67,7 +66,7 @@ pub(super) const STUDY: Study = Study {
 };
 
 /// A task: what a scene makes of it, in rows without what is common to all.
-type Task = fn(&Scene) -> Result<Vec<Row>, ExperimentError>;
+type Task = fn(&Scene) -> Result<Vec<Row>, Error>;
 
 /// The tasks; a line here is all that another one needs beside its file.
 const TASKS: [(&str, Task); 6] = [
@@ -90,7 +89,7 @@ const THING: &str = "thing";
 /// The hands that act.
 const HANDS: [&str; 2] = ["left_hand", "right_hand"];
 
-fn run(trial: &Trial) -> Result<Vec<Row>, ExperimentError> {
+fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let [learned, truth] = subject.known()?;
     let scene = Scene { subject, learned, truth, seed: trial.seed, number: trial.number };
@@ -129,16 +128,16 @@ impl Scene<'_> {
     }
 
     /// A creature with what it knows among some things.
-    fn among(&self, known: &Knowledge, things: Vec<Thing>) -> Result<OnStage, ExperimentError> {
+    fn among(&self, known: &Knowledge, things: Vec<Thing>) -> Result<OnStage, Error> {
         let stage = self.subject.stage(self.subject.joints(), &[], things)?;
         let (own, clearance) = (known.own.clone(), known.clearance.clone());
         let actor = Actor::with_clearance(own, clearance, stage.handle(), HANDS, self.seed);
-        let actor = actor.map_err(|error| ExperimentError::unfit(self.subject.model(), error.to_string()))?;
+        let actor = actor.map_err(|error| Error::unfit(self.subject.model(), error.to_string()))?;
         Ok(OnStage { stage, actor })
     }
 
     /// A creature that stands at the table among things, its hands raised.
-    fn at_table(&self, known: &Knowledge, things: &[Thing]) -> Result<OnStage, ExperimentError> {
+    fn at_table(&self, known: &Knowledge, things: &[Thing]) -> Result<OnStage, Error> {
         let half = [0.5 * SIZE[0], 0.5 * SIZE[1], 0.02];
         let middle = Translation3::new(EDGE + half[0], 0.0, TOP - half[2]);
         let table = Thing {
@@ -164,12 +163,12 @@ struct OnStage {
 
 impl OnStage {
     /// The stage, and the creature as one that talks.
-    fn in_conversation(self) -> Result<(Stage, Conversation), ExperimentError> {
+    fn in_conversation(self) -> Result<(Stage, Conversation), Error> {
         Ok((self.stage, Conversation::new(self.actor)?))
     }
 
     /// Puts the creature into a posture at once.
-    fn place(&mut self, posture: &[f64]) -> mujoco::Result<()> {
+    fn place(&mut self, posture: &[f64]) -> Result<()> {
         self.actor.was_placed();
         self.stage.place(posture)
     }
@@ -186,8 +185,8 @@ impl OnStage {
     }
 
     /// The number of the thing of the trial.
-    fn the_thing(&self) -> Result<usize, ExperimentError> {
-        self.stage.thing(THING).ok_or_else(|| ExperimentError::refused("the thing is not on the stage"))
+    fn the_thing(&self) -> Result<usize, Error> {
+        self.stage.thing(THING).ok_or_else(|| Error::usage("the thing is not on the stage"))
     }
 }
 

@@ -8,11 +8,11 @@ use serde_json::json;
 
 use super::{OnStage, Row, Scene, THING, on_table, shape};
 use crate::creature::Posture;
+use crate::error::Error;
 use crate::interaction::{FoundThing, Hand, Trouble};
 use crate::kinematics::REACHED;
 use crate::peripersonal::ReachTarget;
 use crate::senses::Toucher;
-use crate::session::ExperimentError;
 use crate::simulation::{Substance, Thing};
 use crate::skin::Surface;
 use crate::study::subject::Knowledge;
@@ -36,7 +36,7 @@ struct FeltThing {
     at: Vector3<f64>,
 }
 
-pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, ExperimentError> {
+pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, Error> {
     let mut rng = scene.rng(u64::from(!on_the_table));
     let mut nobody = on_the_table.then(|| scene.at_table(scene.truth, &[])).transpose()?;
     let mut drawn = None;
@@ -87,7 +87,7 @@ fn both_reach(actor: &mut OnStage, thing: &Thing) -> bool {
 }
 
 /// A thing that is held against a random place of an arm in a random posture.
-fn in_air(scene: &Scene, hand: usize, rng: &mut ChaCha8Rng) -> Result<Option<PlacedThing>, ExperimentError> {
+fn in_air(scene: &Scene, hand: usize, rng: &mut ChaCha8Rng) -> Result<Option<PlacedThing>, Error> {
     let own = &scene.truth.own;
     let mut actor = scene.at_table(scene.truth, &[])?;
     let height = actor.table_top();
@@ -129,7 +129,7 @@ fn feel(
     known: &Knowledge,
     put: &PlacedThing,
     fine: bool,
-) -> Result<Option<(OnStage, FeltThing)>, ExperimentError> {
+) -> Result<Option<(OnStage, FeltThing)>, Error> {
     let mut actor = scene.at_table(known, std::slice::from_ref(&put.thing))?;
     (actor.fine_touch, actor.feels_on) = (fine, true);
     let thing = actor.the_thing()?;
@@ -167,7 +167,7 @@ fn reachable(mut actor: OnStage, felt: &FeltThing) -> bool {
     actor.reaching(hand.arm).can_be_at(&from, &hand.receptors, &aim, THOROUGH)
 }
 
-fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<Row, ExperimentError> {
+fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<Row, Error> {
     let hand = 1 - felt.arm;
     let limb = actor.own.skin().receptors[felt.found.receptor].limb;
     let in_world = |actor: &OnStage, p: Vector3<f64>| actor.stage.root_pose() * Point3::from(p);

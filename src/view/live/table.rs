@@ -9,9 +9,9 @@ use serde_json::json;
 use super::server::{Asked, LivePage, Reception};
 use super::{HEIGHT, page};
 use crate::agent::Agent;
+use crate::error::Result;
 use crate::geometry::Frame;
 use crate::ground_truth::GroundTruth;
-use crate::mujoco;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
 use crate::skin::{Skin, surface_of_body};
@@ -56,7 +56,7 @@ impl TableView {
     ///
     /// # Errors
     /// If the engine fails.
-    pub fn new(stage: &Stage, asked: SyncSender<Asked>) -> mujoco::Result<TableView> {
+    pub fn new(stage: &Stage, asked: SyncSender<Asked>) -> Result<TableView> {
         let body = stage.body();
         let model = &body.model;
         let mut things = Vec::new();

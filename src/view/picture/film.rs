@@ -4,6 +4,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use crate::error::{Error, Kind};
 use crate::mujoco::Image;
 use crate::session::{PartFile, write_whole};
 
@@ -16,28 +17,21 @@ const FORMATS: [(&str, &str); 5] =
 const GIF_COLOURS: &str =
     "split[a][b];[a]trim=end_frame=50,palettegen[p];[b][p]paletteuse=dither=none:diff_mode=rectangle";
 
-/// Why there is no film, in a sentence.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct FilmError(String);
+fn unwritable(path: &Path, error: &io::Error) -> Error {
+    Error::new(Kind::File, format!("cannot write {}: {error}: give another file with --out", path.display()))
+}
 
-impl FilmError {
-    fn unwritable(path: &Path, error: &io::Error) -> FilmError {
-        FilmError(format!("cannot write {}: {error}: give another file with --out", path.display()))
-    }
+/// An error of ffmpeg: frames as pictures can do without it.
+fn ffmpeg(path: &Path, what: &str, fix: &str) -> Error {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let frames = path.with_file_name(format!("{stem}-%04d.png"));
+    let frames = frames.display();
+    Error::unfit(path, format!("{what}: {fix}, or give --out {frames} for its frames as pictures"))
+}
 
-    /// Of ffmpeg: frames as pictures can do without it.
-    fn ffmpeg(path: &Path, what: &str, fix: &str) -> FilmError {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let frames = path.with_file_name(format!("{stem}-%04d.png"));
-        let (path, frames) = (path.display(), frames.display());
-        FilmError(format!("{path}: {what}: {fix}, or give --out {frames} for its frames as pictures"))
-    }
-
-    fn failed(path: &Path, message: &str) -> FilmError {
-        let what = format!("ffmpeg fails with \"{message}\"");
-        FilmError::ffmpeg(path, &what, "give another ending of the file's name")
-    }
+fn failed(path: &Path, message: &str) -> Error {
+    let what = format!("ffmpeg fails with \"{message}\"");
+    ffmpeg(path, &what, "give another ending of the file's name")
 }
 
 /// The bytes of a PNG of eight bits a colour.
@@ -96,10 +90,10 @@ impl Film {
     ///
     /// # Errors
     /// If ffmpeg is needed and cannot be run, or the file cannot be written.
-    pub fn begin(path: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Film, FilmError> {
+    pub fn begin(path: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Film, Error> {
         let mut film = Film { path: path.to_path_buf(), frames: 0, ffmpeg: None };
         let Some(format) = format_of(path) else { return Ok(film) };
-        let part = PartFile::begin(path).map_err(|error| FilmError::unwritable(path, &error))?;
+        let part = PartFile::begin(path).map_err(|error| unwritable(path, &error))?;
         let mut command = Command::new("ffmpeg");
         command.args(["-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pixel_format", "rgb24"]);
         command.args(["-video_size", &format!("{}x{}", size[0], size[1])]);
@@ -116,9 +110,9 @@ impl Film {
         let child = child.map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => {
                 let what = "there is no ffmpeg in the PATH to make a film with";
-                FilmError::ffmpeg(path, what, "install Debian's package ffmpeg")
+                ffmpeg(path, what, "install Debian's package ffmpeg")
             }
-            _ => FilmError::failed(path, &error.to_string()),
+            _ => failed(path, &error.to_string()),
         })?;
         film.ffmpeg = Some((child, part));
         Ok(film)
@@ -128,40 +122,40 @@ impl Film {
     ///
     /// # Errors
     /// If ffmpeg fails, or a picture cannot be written.
-    pub fn add(&mut self, image: &Image) -> Result<(), FilmError> {
+    pub fn add(&mut self, image: &Image) -> Result<(), Error> {
         self.frames += 1;
         if let Some((child, _)) = &mut self.ffmpeg {
             let written = child.stdin.as_mut().map_or(Ok(()), |pipe| pipe.write_all(&image.rgb));
             return written.or_else(|_| self.end());
         }
         let path = numbered(&self.path, self.frames).unwrap_or_else(|| self.path.clone());
-        write_whole(&path, &png(image)).map_err(|error| FilmError::unwritable(&path, &error))
+        write_whole(&path, &png(image)).map_err(|error| unwritable(&path, &error))
     }
 
     /// Ends the film; how many frames it has.
     ///
     /// # Errors
     /// As [`Film::add`].
-    pub fn finish(mut self) -> Result<usize, FilmError> {
+    pub fn finish(mut self) -> Result<usize, Error> {
         self.end()?;
         Ok(self.frames)
     }
 
     /// Waits for ffmpeg, and puts its film in its place.
-    fn end(&mut self) -> Result<(), FilmError> {
+    fn end(&mut self) -> Result<(), Error> {
         let Some((mut child, part)) = self.ffmpeg.take() else { return Ok(()) };
         drop(child.stdin.take());
         let mut said = String::new();
         if let Some(mut stderr) = child.stderr.take() {
             let _ = stderr.read_to_string(&mut said);
         }
-        let status = child.wait().map_err(|error| FilmError::failed(&self.path, &error.to_string()))?;
+        let status = child.wait().map_err(|error| failed(&self.path, &error.to_string()))?;
         if status.success() {
-            return part.put().map_err(|error| FilmError::unwritable(&self.path, &error));
+            return part.put().map_err(|error| unwritable(&self.path, &error));
         }
         let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         let message = if lines.is_empty() { status.to_string() } else { lines.join(", ") };
-        Err(FilmError::failed(&self.path, &message))
+        Err(failed(&self.path, &message))
     }
 }
 

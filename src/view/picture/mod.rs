@@ -8,9 +8,10 @@ mod film;
 mod framing;
 mod storyboard;
 
-use crate::mujoco::{self, Camera, GeomCopy, Image, Mark, Renderer, View};
+use crate::error::Result;
+use crate::mujoco::{Camera, GeomCopy, Image, Mark, Renderer, View};
 
-pub use film::{Film, FilmError, is_film, png};
+pub use film::{Film, is_film, png};
 pub use framing::{Direction, frame, outline, outline_of};
 pub use storyboard::{SessionDrawing, Storyboard};
 
@@ -41,7 +42,7 @@ pub fn draw(
     shot: &Shot,
     camera: Camera,
     shaded: &dyn Fn(usize) -> bool,
-) -> mujoco::Result<Image> {
+) -> Result<Image> {
     let repaint = |geom: usize| shaded(geom).then_some(SHADE);
     let view = View {
         camera,

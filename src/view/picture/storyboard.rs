@@ -7,7 +7,8 @@ use super::figure::{between, learned_body, lit_touch};
 use super::framing::{extent, outline};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
-use crate::mujoco::{self, GeomCopy, Mark};
+use crate::error::Result;
+use crate::mujoco::{GeomCopy, Mark};
 use crate::named::in_words;
 use crate::schema::BodySchema;
 use crate::senses::Touch;
@@ -65,7 +66,7 @@ impl<'a> SessionDrawing<'a> {
         body: &'a Body,
         schema: Option<BodySchema>,
         frames_per_second: f64,
-    ) -> mujoco::Result<SessionDrawing<'a>> {
+    ) -> Result<SessionDrawing<'a>> {
         let at_rest = body.reference_data()?;
         let size = extent(&outline(&at_rest, &|geom| body.limb_of_geom(geom).is_some())).max(1e-3);
         let root = body.limb_pose(&at_rest, 0).unwrap_or_default();
@@ -86,7 +87,7 @@ impl<'a> SessionDrawing<'a> {
     }
 
     /// The receptors of a touch, lit.
-    fn lit(&self, touch: &Touch) -> mujoco::Result<Vec<Mark>> {
+    fn lit(&self, touch: &Touch) -> Result<Vec<Mark>> {
         let mut data = self.body.reference_data()?;
         data.set_qpos(&self.qpos(&touch.posture))?;
         data.kinematics()?;
@@ -106,7 +107,7 @@ impl<'a> SessionDrawing<'a> {
     }
 
     /// The body as it touches itself; the touch has a number.
-    fn touched(&self, number: usize, touch: &Touch) -> mujoco::Result<Shot> {
+    fn touched(&self, number: usize, touch: &Touch) -> Result<Shot> {
         let caption = format!("touch {number}: {}", self.limbs(touch));
         Ok(Shot { lit: self.lit(touch)?, caption, ..self.shot(&touch.posture) })
     }
@@ -125,7 +126,7 @@ impl<'a> SessionDrawing<'a> {
     ///
     /// # Errors
     /// If the engine fails.
-    pub fn touch(&self, number: usize, touch: &Touch) -> mujoco::Result<Storyboard> {
+    pub fn touch(&self, number: usize, touch: &Touch) -> Result<Storyboard> {
         Ok(self.board(vec![self.touched(number, touch)?]))
     }
 
@@ -138,7 +139,7 @@ impl<'a> SessionDrawing<'a> {
     ///
     /// # Errors
     /// If the engine fails.
-    pub fn touches(&self, first: usize, touches: &[Touch]) -> mujoco::Result<Storyboard> {
+    pub fn touches(&self, first: usize, touches: &[Touch]) -> Result<Storyboard> {
         let creature = self.agent.creature();
         let mut shots = Vec::new();
         let mut from = Posture::start(creature);

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use super::{ReportInput, html};
+use crate::error::Error;
 use crate::evaluation::{ContactResiduals, Evaluation, evaluate_claims};
 use crate::ground_truth::GroundTruth;
 use crate::senses::Touch;
 use crate::session::{
-    Action, ExperimentError, Host, LearningOptions, LearningRecord, RecordError, SCHEMA_FILE, Session,
-    SpaceRecord, read_predictions, read_schema_with_std, write_whole,
+    Host, LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_predictions,
+    read_schema_with_std, write_whole,
 };
 use crate::view::text::shell_words;
 
@@ -25,7 +26,7 @@ pub fn write_report(
     session: &Session,
     touches: &[Touch],
     truth: Option<&GroundTruth>,
-) -> Result<(LearningRecord, Option<Evaluation>), ExperimentError> {
+) -> Result<(LearningRecord, Option<Evaluation>), Error> {
     let agent = &session.agent;
     let creature = agent.creature();
     let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
@@ -72,7 +73,7 @@ pub fn write_report(
         open_directions: &record.open_directions,
     };
     let path = folder.join(REPORT_FILE);
-    write_whole(&path, html(&report).as_bytes()).map_err(RecordError::io(&path, Action::Write))?;
+    write_whole(&path, html(&report).as_bytes()).map_err(Error::unwritable(&path))?;
     Ok((found.unwrap_or(unknown), evaluation))
 }
 

@@ -22,7 +22,6 @@ use bodyschema::mujoco::{Data, Model};
 use bodyschema::peripersonal::OwnBody;
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::Touch;
-use bodyschema::session::RecordError;
 use bodyschema::simulation::{MotionName, Movers};
 
 /// Whether the engine is none of the family that Debian ships: docs/engines.md tells what is otherwise with these.
@@ -69,7 +68,7 @@ pub fn babble(body: &Body, agent: &Agent, touches: usize, seed: u64, jobs: usize
     babbler
         .babble(&options, |touch| {
             made.push(touch.clone());
-            Ok::<(), RecordError>(())
+            Ok(())
         })
         .unwrap();
     made
