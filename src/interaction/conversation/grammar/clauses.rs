@@ -30,7 +30,7 @@ pub enum Mood {
 const DENYING: &str = "not|never|without|neither|nor|refrain|abstain|cease|desist|prevent|forbid|prohibit|unless|nobody|none; \
     nothing; instead of; rather than; \
     avoid|stop|quit|skip|hate|dislike|loathe|mind|resent ?with ?the|THING|you|it DOING; \
-    leave|left THING|SOME|BODY alone|be; leave off; leave|left THING where; let THING be $; HAND off; \
+    leave|left THING|SOME|BODY alone|be; leave off; leave|left THING where|in; let THING be $; ^ HAND off; \
     no ?more DOING|TOUCH|PUSH|LEAN|LIFT|REACH|PULL|GRAB|PUT|contact; keep HAND off|away|from; \
     hold off|back from|DOING; keep|stay off; keep|away|refrain|far from DOING|TOUCH; from DOING; \
     forget ?about DOING; i|we would ?really|absolutely hate|dislike|loathe|resent|mind|object; \
@@ -45,7 +45,7 @@ const MEANS: &str = "with by using to back over in from on up down away off left
 /// What makes a question of what is stated: "…, isn't it?"
 const TAG: &str = "=did|=does|=have|=has|=were|=was|=are|=is ?not you|THING $";
 /// How something is asked for that is to be told: "describe it", "give me an estimate".
-const TELLING: &[&str] = &["^ TELL|COUNT", "^ give me|us !THING|SOME|back|STICK"];
+const TELLING: &[&str] = &["^ TELL|COUNT", "^ give me|us !THING|SOME|back|STICK|my"];
 /// What names the hand that is to do something, beside what it is to do.
 const BY: &[&str] =
     &["USE|take|STRETCH|extend|raise|lift ?out ?up HAND ?out ?up and|to", "with|by|using|use HAND"];
@@ -70,7 +70,12 @@ impl Clause {
     /// What it begins with, what leads in apart.
     fn begun(&self) -> &[Piece] {
         let begin = self.pieces.iter().take_while(|piece| leads_in(piece)).count();
-        if begin < self.pieces.len() { &self.pieces[begin..] } else { &self.pieces }
+        // "Hello again" repeats nothing.
+        match &self.pieces[begin..] {
+            [] => &self.pieces,
+            [again] if again.is("again") => &self.pieces,
+            begun => begun,
+        }
     }
 
     /// How a frame wants it.
@@ -182,7 +187,8 @@ impl Clause {
             Mood::Past => no_leave(self.either(grammar, |words| words.past)),
             Mood::Prohibition => no_leave(
                 self.says(grammar, |words| words.denied)
-                    .or_else(|| self.about(grammar).map(|_| (Intent::Dont, false))),
+                    .or_else(|| self.about(grammar).map(|_| (Intent::Dont, false)))
+                    .or_else(|| has(&self.pieces, "not DO THING|so|SOME").then_some((Intent::Dont, false))),
             ),
             Mood::Statement => {
                 let others = has(self.begun(), "^ he|she|they|somebody|nobody|people|my|his|her|those|these")
@@ -217,7 +223,7 @@ impl Clause {
             return Some(Intent::TouchOwn);
         }
         if has(&self.pieces, "HAND off|away")
-            || has(&self.pieces, "leave|left THING|SOME alone|be|where|there")
+            || has(&self.pieces, "leave|left THING|SOME alone|be|where|there|in")
         {
             return Some(Intent::Touch);
         }
@@ -296,7 +302,7 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
     let wonders = has(
         pieces,
         "^ i|we|my|let|THING .. KNOW|=wondering|curious|interested|idea|question|sure|unsure|TELL|ask|hear|learn|find ?me|is ?of|out ?about ASKING|if|whether",
-    ) || has(pieces, "^ i|we do|can|could not KNOW|tell");
+    ) || has(pieces, "^ i|we do|can|could not =know|=tell|=see|=remember|=understand");
     let tagged = has(pieces, TAG) && asks;
     let asks_within = !pieces.first().is_some_and(|first| first.word.form.is_base())
         && has(
@@ -346,7 +352,7 @@ fn negative_question(pieces: &[Piece]) -> bool {
         return false;
     }
     has(pieces, "^ HELPING not SUBJECT|THING|SOME|BODY & !nothing")
-        || has(pieces, "^ i|we do|can|could not KNOW|tell")
+        || has(pieces, "^ i|we do|can|could not =know|=tell|=see|=remember|=understand")
         || has(pieces, TAG)
         || has(pieces, "^ ?and|so why|how|what|where|who|which")
         || has(pieces, "not $")
@@ -425,7 +431,10 @@ pub(super) fn of(pieces: &[Piece]) -> Vec<Clause> {
             && next.is_some_and(|next| next.word.form.is_base() || next.is("can could would will"))
             && part.iter().any(verb)
             && !has(part, "^ ?ANY use")
-            && !(has(part, "^ ?ANY USE|take|REACH ?out HAND") && length(rest, "VERB").is_some());
+            && !(length(rest, "VERB").is_some()
+                && has(part, "^ ?ANY USE|take|REACH|raise|lift ?out|up HAND ?out|up|and and|$|then"))
+            && !(length(rest, "VERB").is_some()
+                && has(part, "^ ?ANY REACH out|over|across|forward|up|down $"));
         if anew {
             parts.push(Vec::new());
         }

@@ -93,7 +93,7 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
     maybe|perhaps|possibly ?you VERB; \
     i|we ?would|do ?really|rather =like|=love|=prefer|=want|=need ?to ?see ?have ~ THING|HAND|PART|STICK; \
     THING|i would be ?much|very|so GOOD if|with ~ THING|HAND|PART; \
-    THING would be ?much|so ~ GOOD ?if FAR|NEAR; ~ THING|HAND should|must|ought|need ?to be|GO; ~ THING|HAND have|=is|=are to be|GO; \
+    THING would be ?much|so ~ GOOD ?if FAR|NEAR; ~ THING|HAND should|must|ought|need ?to be|GO|end|stand|lie|stay; ~ THING|HAND have|=is|=are to be|GO; \
     =get|=have ~ THING PAST; i|we could ?really use|do ?with ~ THING|HAND; \
     have|let|make|get ~ HAND TOUCH|GRAB|GO|make; go|get|come ?over|up ?to|there|here|THING and VERB";
 /// They leave open whether it is.
@@ -106,7 +106,7 @@ const OPEN: &str = "i =think|=guess|=believe|=reckon|=bet ?that you can|could|ma
     ~ THING|HAND|PART may|can|might|could VERB; ~ THING|HAND|PART =goes|=comes|=belongs; \
     can|could|may|might ~ THING be PAST; you can|could|may|might|shall ?now|also ?as ?well VERB; \
     do|would|will|can you ?ever =like|=want|=love|=prefer|=wish to VERB; should|shall you|i VERB; \
-    be you ready|willing ?now to VERB";
+    be you ready|willing ?now to VERB; what if you ?just =tried|=try ?to VERB|DOING; what if you PAST";
 /// What ends a polite request without saying what is wanted.
 const TAGS: &str = "will|would|can|could ?not you ?please|mind|kindly $; \
     would|will|could you be ?so|a ?very GOOD|love|sport; if you $; \
@@ -142,7 +142,7 @@ const ABILITY: &str = "can|could THING be =reached|=touched|=grasped|=gripped; \
     you can|could|would ?be ?able ?to REACH THING|that; can|could|would you TOUCH|GRAB !STICK THING from|without; \
     can|could you FEEL|sense|perceive|notice SOME|THING $; can|could you FEEL|sense SOME; \
     =do|=does you =have|=need; you ?should|could|must|might|would =have; would you =have !a|the|another; \
-    would|will|do you =need ?to; would|be THING ?be possible ?for ?you ?to REACH THING|that; \
+    would|will|do you =need ?to; can|could|would|will you .. without =leaning|=bending|=stretching|=moving; would|be THING ?be possible ?for ?you ?to REACH THING|that; \
     would|could|can ?ANY BODY ?be ?able";
 
 /// How many frames may be in each other.

@@ -16,23 +16,26 @@ const ACTS: &[(&str, &str)] = &[
         "scratch squeeze pinch cover tug pull slap massage cup hug clutch hit approach point wipe thump cradle pound smack caress",
     ),
     ("REACH", "reach stretch extend strain"),
-    ("GRAB", "grab clutch grasp seize grip clasp hold catch take grapple snatch nab clench snag cradle"),
+    (
+        "GRAB",
+        "grab clutch grasp seize grip clasp hold catch take grapple snatch nab clench snag cradle receive",
+    ),
     ("LIFT", "lift raise hoist heave elevate pick uplift scoop heft pluck"),
     (
         "PUT",
-        "put place set lay move position stow stick deposit relocate reposition transport carry stand rest pop plonk park install plant perch settle arrange situate dump transfer",
+        "put place set lay move position stow stick deposit relocate reposition transport carry stand rest pop plonk park install plant perch arrange situate dump transfer",
     ),
     (
         "PUSH",
-        "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl shuffle fling flick bump sling roll steer sweep jog",
+        "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl shuffle fling flick bump sling roll steer sweep jog swipe",
     ),
-    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover yank tow reel lug"),
+    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover yank tow reel lug gather"),
     (
         "DROP",
-        "release drop free unhand relinquish unclasp ungrip unclench loosen loose unclamp detach disengage unfasten",
+        "release drop free unhand relinquish unclasp ungrip unclench loosen loose unclamp detach disengage unfasten ungrasp",
     ),
-    ("LEAN", "lean bend tilt bow stoop hunch incline tip crouch slant slope"),
-    ("STRAIGHTEN", "straighten unbend sit rise uncurl unfold erect"),
+    ("LEAN", "lean bend tilt bow stoop hunch incline tip crouch slant slope hinge"),
+    ("STRAIGHTEN", "straighten unbend sit rise uncurl unfold erect unlean"),
     (
         "SEARCH",
         "explore search scan scour sweep comb probe survey hunt seek grope fumble rummage scout forage root fish rake trawl patrol browse",
@@ -52,12 +55,15 @@ const ACTS: &[(&str, &str)] = &[
     ("PROTECT", "protect defend save guard shield"),
     ("GO", "go come move get step return"),
     ("RELAX", "rest relax unwind chill idle"),
-    ("FORGET", "forget erase unlearn delete disregard discard purge ignore"),
-    ("CLEAR", "clear clean empty wipe reset flush banish dismiss remove strike drop dump purge blank"),
+    ("FORGET", "forget erase unlearn delete disregard discard purge ignore unremember"),
+    (
+        "CLEAR",
+        "clear clean empty wipe reset flush banish dismiss remove strike drop dump purge blank scrub unremember",
+    ),
     ("REPEAT", "repeat retry redo rerun replay"),
     ("TRY", "try attempt"),
     ("DO", "do perform make"),
-    ("STOP", "stop interrupt halt cease pause abort cancel desist"),
+    ("STOP", "stop interrupt halt cease pause abort cancel desist abandon scrap"),
     ("END", "end finish terminate conclude close stop leave quit exit"),
     ("KEEP", "keep stay remain hold stand sit lie wait be"),
     (
@@ -83,12 +89,12 @@ const ACTS: &[(&str, &str)] = &[
         matter appreciate thank suggest succeed proceed continue add repeat fit weigh seem appear sound resemble suppose imagine \
         pretend assume manage freeze settle welcome understand obey answer agree refuse fail order allow permit watch listen hear \
         wrap roll lean dare attend undo deserve earn call slump slouch fly approach attack travel sway crash hurtle yield stroll \
-        resume adopt kick jump clap sing dance forbid object ban miss ask happen greet excuse figure cut act react notice remind grope blow carry",
+        resume adopt kick jump clap sing dance forbid object ban miss ask happen greet excuse figure cut act react notice remind grope blow carry hide beat identify update fill nail rock bother dismiss depart power wake fidget cry",
     ),
 ];
 /// How things are placed and moved, and of which kind they are.
 const RELATIONS: &[(&str, &str)] = &[
-    ("FARTHER", "far farther further farthest furthest away miles"),
+    ("FARTHER", "farther further farthest furthest away miles"),
     (
         "FAR",
         "far farther further farthest furthest away distant remote off beyond miles opposite apart yonder outward outwards outlying",
@@ -152,9 +158,9 @@ const RELATIONS: &[(&str, &str)] = &[
     (
         "COMMANDS",
         "commands command abilities ability skills skill options instructions requests functions features actions tasks tricks \
-        sentences questions capabilities talents repertoire words manual menu usage examples example request vocabulary",
+        sentences questions capabilities talents repertoire words manual menu usage examples example request vocabulary tips tip hint hints guidance advice explanation",
     ),
-    ("TALK", "conversation talk session chat dialogue program"),
+    ("TALK", "conversation talk session chat dialogue program game meeting call"),
     ("BEING", "creature robot being person machine human man woman computer"),
 ];
 /// How, how often, how much.
@@ -169,7 +175,7 @@ const MODIFIERS: &[(&str, &str)] = &[
         "GOOD",
         "good nice great lovely wonderful splendid helpful handy useful super brilliant fantastic marvellous excellent perfect ideal \
         best better wise clever kind sweet cool awesome amazing fun grateful glad happy happier pleased delighted thankful obliged thrilled \
-        grand terrific preferable sensible superb neat fine well dandy swell dear angel impressive tremendous stellar",
+        grand terrific preferable sensible superb neat fine well dandy swell dear angel impressive tremendous stellar star hero legend genius smashing ace fab fabulous magnificent outstanding beautiful gorgeous smart top stunning phenomenal first-rate",
     ),
     (
         "BAD",
@@ -177,16 +183,19 @@ const MODIFIERS: &[(&str, &str)] = &[
     ),
     (
         "THANKS",
-        "thank thanks grateful ta appreciate appreciated thankful cheers obliged indebted kudos bravo superb",
+        "thank thanks grateful ta appreciate appreciated thankful cheers obliged indebted kudos bravo superb thankyou tysm thanx merci gracias congratulations congrats hooray hurrah props",
     ),
-    ("HELLO", "hello hi hey hiya howdy greetings welcome yo salutations"),
-    ("BYE", "cheerio bye goodbye farewell ciao adieu byebye"),
+    (
+        "HELLO",
+        "hello hi hey hiya howdy greetings welcome yo salutations gday sup ahoy heya hullo hallo wassup evening morning",
+    ),
+    ("BYE", "cheerio bye goodbye farewell ciao adieu byebye adios laters toodle toodles tata cya seeya"),
     (
         "YES",
         "yes yeah yep yup yea aye sure ok okay alright absolutely certainly definitely affirmative agreed correct exactly indeed \
-        precisely right true naturally fine",
+        precisely right true naturally fine righto roger okie okey dokie totally bingo mhm k kk alrighty uhhuh positive",
     ),
-    ("NO", "no nope nah negative nay"),
+    ("NO", "no nope nah negative nay naw uhuh nix"),
     ("ASKING", "what where when why who which how whereabouts whose whom"),
     ("HELPING", "can could will would may might shall should must do be have need ought"),
     (
@@ -313,8 +322,12 @@ impl Lexicon {
                 || close && same_letters(typed, known)
         };
         let verb = |known: &str| self.forms.get(known).is_some_and(|(_, form)| *form != Form::Other);
-        let near =
-            self.forms.keys().map(String::as_str).filter(may_be).filter(|known| distance(known) <= slips);
+        let near = self
+            .forms
+            .keys()
+            .map(String::as_str)
+            .filter(may_be)
+            .filter(|known| distance(known) <= slips + usize::from(same_letters(typed, known)));
         // Of words that are as near a plain slip, then a letter that was left out, then a verb: what is done matters most.
         near.min_by_key(|known| {
             let plain = fingers_slip(typed, known) || known.chars().count() > length;

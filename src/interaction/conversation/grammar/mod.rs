@@ -283,7 +283,8 @@ const DOUBTFUL: &[&str] = &[
     "ready|prepare to",
 ];
 /// What makes a question whether there is anything one of no thing on the table: "is there anything that you can do?"
-const OF_NO_PLACE: &[&str] = &["STICK", "SOME ?that you|i|we|he", "in|on|ON|under BODY"];
+const OF_NO_PLACE: &[&str] =
+    &["STICK", "SOME ?that you|i|we|he", "in|on|ON|under BODY", "MORE than", "^ ?and what else $"];
 /// What is told first but is a way only to what is told then.
 const WAYS: &[(Intent, &[Intent])] = &[
     (Intent::LeanForward, &[Intent::TouchOwn]),

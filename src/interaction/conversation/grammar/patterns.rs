@@ -2,7 +2,7 @@
 //!
 //! A pattern is a row of alternatives: `touch|tap` is either lemma, `=touching` the very word, `?a` may be missing, `..` is any number of
 //! pieces, `!a|b` where neither follows, `^` and `$` are the ends of the clause. Capitals are kinds of pieces (THING, SOME, STICK, HAND, PART,
-//! BODY, SIDE, VERB, BASE, PAST, THIRD, DOING, ANY) and meanings ([`lexicon`](super::lexicon): TOUCH, FAR, AGAIN). `A & B` is both, in any order.
+//! BODY, SIDE, VERB, BASE, PAST, THIRD, DOING, ANY, WANTED: what a frame wants) and meanings ([`lexicon`](super::lexicon): TOUCH, FAR, AGAIN). `A & B` is both, in any order.
 
 use super::lexicon::Form;
 use super::pieces::{Piece, Sense};
@@ -87,6 +87,7 @@ fn is(piece: &Piece, token: &str) -> bool {
         "THIRD" => verb(&[Form::Third]),
         "DOING" => verb(&[Form::Ing]),
         "ANY" => word,
+        "WANTED" => !word && piece.wanted.is_some(),
         token if token.starts_with(char::is_uppercase) => {
             (word || piece.sense == Sense::Some) && piece.meanings.contains(&token)
         }

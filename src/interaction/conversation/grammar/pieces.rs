@@ -5,7 +5,7 @@ use super::frames::Wish;
 use super::lexicon::{Form, meanings};
 use super::names::{BodyNames, PartName};
 use super::places::Aside;
-use super::words::Word;
+use super::words::{Mark, Word};
 
 /// Which of several things is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,7 +152,7 @@ pub(super) fn pieces(words: &[Word], names: &BodyNames) -> Vec<Piece> {
 /// "Your chin: touch it." It is the part of the body that was named alone before, where no thing was; or the stick that nothing
 /// was told to be done with: "I have a stick for you, take it."
 fn referred(pieces: &mut [Piece]) {
-    let mut named: Option<PartName> = None;
+    let mut named: Option<Sense> = None;
     let mut stick = false;
     for k in 0..pieces.len() {
         let of_stick = pieces[k].is_stick() && !pieces[0].word.form.is_base();
@@ -164,10 +164,17 @@ fn referred(pieces: &mut [Piece]) {
             .iter()
             .any(|piece| piece.sense == Sense::Word && piece.word.form.is_base() && !piece.is("be do have"));
         match &pieces[k].sense {
-            Sense::Part(part) => named = (pieces[k].word.mark.is_some() && !told).then(|| part.clone()),
+            part @ (Sense::Part(_) | Sense::Hand(_)) => {
+                let with = k > 0 && pieces[k - 1].is("with by use using");
+                let alone = match part {
+                    Sense::Part(_) => pieces[k].word.mark.is_some(),
+                    _ => pieces[k].word.mark == Some(Mark::Pause) && !with,
+                };
+                named = (alone && !told).then(|| part.clone());
+            }
             Sense::Thing if ["it", "that"].contains(&pieces[k].word.text.as_str()) => {
-                if let Some(part) = &named {
-                    pieces[k].sense = Sense::Part(part.clone());
+                if let Some(named) = &named {
+                    pieces[k].sense = named.clone();
                 }
             }
             Sense::Thing | Sense::Some => named = None,
@@ -191,6 +198,10 @@ fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense
         && let ["head" | "face" | "heart" | "lap"] = texts.as_slice()
     {
         return (Sense::Part(PartName { words: vec![texts[0].to_string()] }), 1);
+    }
+    // "Lower both arms."
+    if texts.starts_with(&["lower", "both"]) {
+        return (Sense::Word, 1);
     }
     // "The left-hand side" is no hand.
     let side = |end: usize| {
@@ -223,7 +234,8 @@ fn bare_hand<'a>(texts: &[&'a str], words: &[Word], before: Option<&Piece>) -> O
     let ends = words[end].mark.is_some()
         || texts
             .get(end + 1)
-            .is_none_or(|next| "this please now instead and again to".split(' ').any(|end| end == *next));
+            .is_none_or(|next| "this please now instead and again to".split(' ').any(|end| end == *next))
+        || words.get(end + 1).is_some_and(|next| next.form.is_base());
     let by = before.is_some_and(|piece| piece.is("with use by but via try"));
     let hand = by && ends && (*side != "other" || owned > 0);
     hand.then(|| (vec![*side, "hand"], end + 1))
@@ -234,7 +246,7 @@ const THINGS: &str = "thing things object objects item items stuff obstacle obst
     plate jar tin book pen pencil spoon fork knife stick rod toy apple orange banana phone key keys cans bottles boxes blocks cups balls \
     bricks pot vase tray lamp tool gadget thingy thingie thingamajig whatsit package parcel carton tube cone die dice egg candle camera \
     cube cylinder sphere gizmo doodad contraption article target device widget tube jug teapot kettle flask tumbler wallet figurine \
-    doll comb torch mouse notebook stapler sponge hammer lemon tomato potato container piece lump chunk thingummy doohickey one ones";
+    doll torch mouse notebook stapler sponge hammer lemon tomato potato container piece lump chunk thingummy doohickey one ones";
 const INDEFINITE: &str = "something anything someone somebody anybody anyone";
 const DETERMINERS: &str = "the this that these those a an some any another every all both each one more other which whichever two three its";
 const ADJECTIVES: &str = "left right near nearer nearest close closer closest far farther farthest further furthest big bigger biggest large \
@@ -269,8 +281,9 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
     if listed(0, "this that") && listed(1, "a an") {
         return Some((Sense::Thing, 1));
     }
-    let mut k =
-        (0..words.len()).take_while(|&k| listed(k, DETERMINERS) && !(k > 0 && listed(k - 1, "its"))).count();
+    let mut k = (0..words.len())
+        .take_while(|&k| listed(k, DETERMINERS) && !(k > 0 && listed(k - 1, "its one")))
+        .count();
     // "The one", not "one thing".
     if k > 1 && listed(k - 1, "one") && !listed(k, ADJECTIVES) && !listed(k, THINGS) {
         k -= 1;
@@ -307,7 +320,10 @@ fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)>
         return Some((sense, k + 1 + beside + relative_clause(&words[k + 1 + beside..])));
     }
     // "The nearer", "the second".
-    if listed(0, "the") && k > determined && !listed(k - 1, "back front hand middle whole entire same") {
+    if listed(0, "the")
+        && (k > determined || listed(k - 1, "other"))
+        && !listed(k - 1, "back front hand middle whole entire same")
+    {
         let ends = k == words.len()
             || words[k - 1].mark.is_some()
             || listed(k, "please with to of from away now you me over there");

@@ -45,7 +45,9 @@ pub(super) fn sideways(pieces: &mut Vec<Piece>) {
         let moves = has(before, MOVES) || before.iter().any(|piece| piece.wanted.is_some());
         // "To the right with it."
         let with = length(&rest[taken..], "with THING|SOME").is_some();
-        if !(moves && has(before, "THING|SOME") || with && before.is_empty()) {
+        // "A bit more to the left."
+        let more = has(before, "BIT|MORE|FAR") && length(before, "?a ?BIT ?BIT ?MORE ?FAR $").is_some();
+        if !(moves && has(before, "THING|SOME") || with && before.is_empty() || more) {
             continue;
         }
         let (side, behind) = rest.split_at(taken);

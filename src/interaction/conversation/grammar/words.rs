@@ -54,6 +54,8 @@ const SHORT: &[(&str, &str)] = &[
     ("gonna", "going to"),
     ("wanna", "want to"),
     ("gotta", "have to"),
+    ("gday", "good day"),
+    ("uhhuh", "yes"),
     ("lil", "little"),
     ("infront", "in front"),
     ("howmany", "how many"),

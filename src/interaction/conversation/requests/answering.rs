@@ -4,6 +4,7 @@ use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const YES: RequestKind = RequestKind {
     words: Words {
+        past: "^ you understand ?me|THING|right $ ; ^ you have|=got THING|that $",
         said: "i agree ; that|THING suits|works|suit ; i would like|love that|THING $ ; ^ that would be GOOD $ ; ^ well $ ; \
             i think|suppose|guess|believe|hope so ; what i mean|want ; ^ make THING so ; \
             you ?have =got|understand THING|me|right ; ^ YES $ ; ^ YES ; ^ YES thing ; ^ go ahead|on ; ^ go for THING ; \
@@ -11,7 +12,10 @@ pub(super) const YES: RequestKind = RequestKind {
             ^ by all means ; ^ you may|can|should $ ; ^ why not $ ; ^ sounds good|fine|right ; \
             ^ that|THING be ?the one|idea|case $ ; ^ you be|have ?get right|it ; \
             ^ YES ?go|DO ?ahead|THING ; \
-            you ?have get|=got THING ; ^ i|you ?HELPING do $ ; ^ you|uh huh $ ; ^ i|you do",
+            you ?have get|=got THING ; ^ i|you ?HELPING do $ ; ^ you|uh huh $ ; ^ i|you do ; \
+            ^ ALL right $ ; ^ please $ ; \
+            ^ ?YES that|THING be THING $ ; \
+            ^ spot on ; ^ you bet ; ^ go on|ahead ?then $ ; i would like|love THING|that $ ; ^ sounds GOOD ; you understand ?me|THING|right",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")))
@@ -19,12 +23,15 @@ pub(super) const YES: RequestKind = RequestKind {
 
 pub(super) const NO: RequestKind = RequestKind {
     words: Words {
+        past: "you =got|get THING|that|me wrong ; THING|that be ?a wrong|mistake|mistaken ; you be wrong ; you =misunderstood",
         said: "i disagree ; not what i mean|want ; i do not mean ; =misunderstood ; change|changed my mind ; ^ NO ; \
             ^ NO way|thanks|thank ; ^ wrong|incorrect|false ; \
             ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; \
             ^ that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ of course not ; \
             ^ rather|better not ; ^ never|not $ ; ^ you be wrong|mistaken ; ^ i would rather not ; \
-            ^ let us not ; ^ no thank|THANKS ?you",
+            ^ let us not ; ^ no thank|THANKS ?you ; \
+            i =said no ; \
+            ^ not ?now|today|yet|this|like ?now THANKS ; ^ not bother ; ^ do not bother ; ^ leave THING $ ; ^ uh uh $ ; no|not .. bother|need $",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Minds(|_, _| Answer::tells("All right, I do nothing")))
@@ -42,7 +49,8 @@ pub(super) const WHICH: RequestKind = RequestKind {
             ^ i mean|want|choose|pick|prefer|meant THING ; ^ i would say THING ; ^ either|whichever|any $ ; \
             ^ either|whichever|any of THING ; ^ number NUMBER ; ^ number one|two|three ; \
             ^ THING ON ?the ?your left|right ; \
-            THING ?be ?the THING ; ^ not THING THING ; say ?the THING|first|second|last ; both .. whichever|either ; whichever|either $",
+            THING ?be ?the THING ; ^ not THING THING ; say ?the THING|first|second|last ; both .. whichever|either ; whichever|either $ ; \
+            ^ leftmost|rightmost|either|whichever ?you ?like|want|please|$ ; THING ?over ON ?the left|right ; not matter which ; ^ ?the left|right ?hand ?side one|THING ; which ?THING ?you like",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -20,12 +20,12 @@ pub(super) const AVOID: RequestKind = RequestKind {
             take cover|evasive ; shy|shrink|flinch|draw|back away ; incoming ; evasive ; \
             give THING ?a ?wide room|way|space|berth ; on your|guard guard ; beware ; mind your|the BODY|yourself ; \
             heads|HEAD up ; move so .. miss|past ; GO out of ?its|THING ; AVOID be|get ; get|be missed ; \
-            be careful|alert|watchful $ ; GO THING|SOME ?can|could ?not hit|touch|get|reach ; \
+            ^ ?be careful|alert|watchful $ ; GO THING|SOME ?can|could ?not hit|touch|get|reach ; \
             GO|keep|stay|step|get ?yourself ?well ?right out|clear of ; out of ?its|the|harms path|way|reach|range & !THING|SOME ; GO|keep|stay ?well out of ?its path ; mind|watch|beware THING|SOME =coming|=approaching ; mind|watch ?out ?for THING|SOME ; duck ; THING|SOME =comes|=approaches|=flies ; about to hit ; do not .. =hit|=touched|=struck ; \
-            GO ?yourself out of ?its|the range|reach|way|path ; \
+            GO|stay|keep ?yourself out of ?its range|reach|way|path ; \
             =look|watch|mind out for THING",
         denied: "not|nothing|never LET|let THING|SOME ?at|ever hit|TOUCH|reach|bump|get|TEND|catch ; let nothing ; \
-            not get|be hit|=touched|=struck|caught|bumped ; not to get|be hit|=touched ; \
+            not get|be hit|=touched|=struck|caught|bumped & !THING ; not to get|be hit|=touched & !THING ; \
             GO .. THING|SOME HELPING|do not hit|TOUCH|get|reach|catch|meet ; \
             nothing|nobody TOUCH|hit|reach|get you|PART|BODY ; not THING hit|touch you|BODY ; \
             not bump|run|collide into|with|ON ; avoid|dodge ?=being|=getting =hit|hit|it|THING ; \
@@ -33,7 +33,8 @@ pub(super) const AVOID: RequestKind = RequestKind {
             let THING go|pass .. TOUCH ; keep|stay .. BODY .. away from .. =coming|=comes|=approaching|=approaches ; mind|watch THING|SOME =coming|=approaching ; take care not ; HAND|BODY away from what|whatever ; \
             THING|SOME .. not hit|TOUCH|reach|bump|get|catch you|BODY",
         said: "THING|SOME ?be =coming|=approaching|=flying|=heading ?UPRIGHT|right at|ON|for|your ?you|PART|way ; \
-            THING|SOME ?be =coming|=approaching|=flying|=moving ; beware",
+            THING|SOME ?be =coming|=approaching|=flying|=moving ; beware ; \
+            ^ mind $",
         ..Words::NONE
     },
     needs_body: true,

@@ -13,7 +13,8 @@ pub(super) const HOW_MANY: RequestKind = RequestKind {
             be THING just|only SOME|one ; NUMBER or NUMBER|MORE ; SOME|THING or NUMBER|MORE ; \
             how many THING|SOME|UNIT & !UNIT ; keep count|tally ; number|total $ ; how much SOME ; \
             what MORE|else & number ; \
-            COUNT what .. FIND|TOUCH|FEEL|PAST ; NUMBER or SOME|THING ; TELL ?me ?the count|number|total",
+            COUNT what .. FIND|TOUCH|FEEL|PAST ; NUMBER or SOME|THING ; TELL ?me ?the count|number|total ; \
+            just the|one one|thing ; ^ SOME|THING $ & NUMBER ; more than NUMBER|one|two ; any more than NUMBER ; be THING just THING|one",
         past: "how many ; number of THING|SOME ; what number ; NUMBER or ; or NUMBER|MORE & THING|SOME ; number|total ; \
             MORE than one|two ; just|only one|THING ; COUNT",
         ..Words::NONE

@@ -20,7 +20,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
             SEARCH|LOOK|FEEL ?AROUND ?with ?HAND SOME ; \
             see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME ; \
             see|check what ?you FIND ; see|EXAMINE|FIND if|whether|what .. there|SOME ; \
-            REACH ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH ?out ?your|HAND ?out|FORWARD $ ; \
+            REACH ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH out|FORWARD ?HAND $ ; REACH HAND out|FORWARD $ ; \
             RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?the|top ?of ?the TABLE|SPACE ; \
             TOUCH|GRAB|get SOME ; ^ SEARCH ; ^ SEARCH $ ; SEARCH THING|SOME ; GO|RUN|FEEL ?HAND AROUND|over ?the TABLE ; \
             LOOK|SEARCH ?AROUND AGAIN|MORE|further ; \
@@ -47,7 +47,8 @@ pub(super) const EXPLORE: RequestKind = RequestKind {
             be THING|SOME there ; find SOME ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
             have|do THING|TABLE|SPACE have|hold SOME ON ; \
             be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; what THING|SOME be ?there ON|in|around ; \
-            FEEL SOME out there ; be SOME ?there ?in|on|at|by & FEEL ; what have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; be their SOME",
+            FEEL SOME out there ; be SOME ?there ?in|on|at|by & FEEL ; what have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; be their SOME ; \
+            get SOME ?in front|before|there|ON",
         said: "there ought|must|should|may|might|could ?to be SOME|THING|MORE ; \
             i think|believe|guess|suppose|bet there be SOME|MORE|THING",
         ..Words::NONE

@@ -9,7 +9,7 @@ use crate::named::in_words;
 pub(super) const FEEL_OVER: RequestKind = RequestKind {
     words: Words {
         past: "have BODY|your ?body changed|=changed",
-        told: "FEEL|TOUCH|pat ?your yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
+        told: "FEEL|TOUCH|pat ?your ?whole|entire yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
             FEEL|TOUCH|pat yourself|BODY ALL|over|everywhere|anew|AROUND ; \
             FEEL|TOUCH|pat ALL over ?your yourself|body|BODY ; \
             EXAMINE|SEARCH|learn|relearn|KNOW|study ?your yourself|body ; \

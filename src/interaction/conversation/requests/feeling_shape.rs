@@ -7,6 +7,7 @@ use crate::interaction::things::{KnownShape, KnownThing};
 
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
     words: Words {
+        said: "^ ALL AROUND|over|sides ?THING $",
         told: "FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE ; \
             work|find out ?what ?its|the FORM ; RUN .. EDGE|FORM ; FEEL|FIND|EXAMINE|see ?out what THING|SOME be|look ; \
             FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED ; \

@@ -10,7 +10,8 @@ pub(super) const FORGET: RequestKind = RequestKind {
             CLEAR what|whatever|ALL ?that ?THING ?you KNOW|FEEL|felt|FIND ; FRESH|fresh START|beginning ; \
             start ALL|AGAIN|afresh|over ; from scratch ; ^ reset $ ; remember nothing ; clean slate ; LET THING slip ; \
             as if|though .. never ; put THING behind you ; lose THING from ; \
-            MEMORY .. CLEAR",
+            MEMORY .. CLEAR ; \
+            PUT|get|take|clear THING|SOME|ALL out of ?your head|mind|memory|BODY ; begin|start anew",
         denied: "not|longer remember ; need not|longer|to remember|KNOW ; forget about =remembering",
         ..Words::NONE
     },

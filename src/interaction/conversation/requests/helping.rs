@@ -14,7 +14,8 @@ way of what comes; tell what I did; forget, do it again, rest, keep still. \"Qui
 pub(super) const HELP: RequestKind = RequestKind {
     words: Words {
         told: "show me what you can|do ; ^ usage|manual|instructions|commands|options|menu $ ; assist|help me $ ; \
-            give|show ?me|us .. COMMANDS ; list COMMANDS",
+            give|show ?me|us .. COMMANDS ; list COMMANDS ; \
+            guide|instruct|help|assist|teach me ; give ?me a|some|any COMMANDS ; walk me through ; what you have got|get",
         asked: "what ?all you can|could|may do ; how this|THING|that work ; what to SPEAK|TELL|do ; \
             what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
             what HELPING|do you|i do $ ; what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; \
@@ -28,9 +29,12 @@ pub(super) const HELP: RequestKind = RequestKind {
             how .. ?to USE you ; what HELPING you help ?me ?with ; what KIND|sort .. requests|COMMANDS ; \
             what i HELPING|do ; what KIND of THING|SOME HELPING you ; how HELPING i ; \
             be there SOME ?that you HELPING ; SOME ?that you HELPING do ; \
-            how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do",
+            how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do ; \
+            how do you work|function ; \
+            any COMMANDS ; what next|now|else $ ; show me what you ?have ?got|can|know ; what do i do ?now|next ; ^ COMMANDS",
         said: "^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does THING|it work ; \
-            ^ i be stuck|lost|confused ; ^ i do not KNOW what|how ; what should i",
+            ^ i be stuck|lost|confused ; ^ i do not KNOW what|how ; what should i ; \
+            ^ what next|now $ ; ^ guide|instruct|assist me ; ^ COMMANDS ?please $ ; ^ sos",
         ..Words::NONE
     },
     ..RequestKind::new(["help", "helped"], Act::Tells(|_, _| Answer::tells(ABILITIES)))

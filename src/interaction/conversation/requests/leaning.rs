@@ -18,7 +18,8 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
             move|bring|get BODY|yourself NEAR|over ON|the ?the TABLE ; \
             get|move|bring ?your yourself|PART|body ?BIT ?FAR FORWARD|over|further ; LEAN PART ; a|the lean ; \
             have|take a lean|bow ; bow $ ; LEAN to ; LEAN so ; lean as ; LEAN with ; \
-            PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD ; GO FORWARD & !THING|ahead ; LEAN ; a ?BIT ?of ?FORWARD lean ; BODY ?a ?BIT ?MORE FORWARD|over|ahead ; lower PART ON|over ; stretch FORWARD ; MORE FORWARD ; len FORWARD ; PULL|PUSH yourself FORWARD",
+            PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD ; GO FORWARD & !THING|ahead ; LEAN ; a ?BIT ?of ?FORWARD lean ; BODY ?a ?BIT ?MORE FORWARD|over|ahead ; lower PART ON|over ; stretch FORWARD ; MORE FORWARD ; len FORWARD ; PULL|PUSH yourself FORWARD ; \
+            GO NEAR ?to ?TABLE with PART",
         ..Words::NONE
     },
     needs_body: true,
@@ -30,6 +31,7 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind {
 
 pub(super) const LEAN_BACK: RequestKind = RequestKind {
     words: Words {
+        said: "^ BACK ?a ?BIT $",
         told: "LEAN ?PART|yourself|THING ?a ?BIT BACK ; LEAN ?a ?BIT away|off ; LEAN ?right BACK ; LEAN .. other way ; \
             up you get ; STRAIGHTEN up|yourself|BODY|out|BACK|UPRIGHT ; ^ STRAIGHTEN $ ; ^ unbend ; \
             STRAIGHTEN ?BACK up ; UPRIGHT ; sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP ; \
@@ -37,7 +39,8 @@ pub(super) const LEAN_BACK: RequestKind = RequestKind {
             back up|upright|straight ; get|come|be|keep|hold ?yourself|BODY UPRIGHT ; un bend ; \
             take|get|pull|move|bring your|yourself|PART BACK & !HAND|THING ; UP straight ; no LEAN ; \
             UPRIGHT ?again|BACK ; GO ?BACK UPRIGHT ; up ?BACK UPRIGHT ; STRAIGHTEN your ; BACK ON ?an UPRIGHT POSE ; \
-            PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND ; GO|come|get|be|BACK ?BACK ?to|into|at|in ?a ?sitting|the UPRIGHT|vertical ?POSE ; sit ?up|BACK ?UP UPRIGHT ; LEAN right|MORE|all BACK ; come|get|BACK ?BACK UP ; undo|end ?the|your lean ; STRAIGHTEN ; bring|move|PULL PART BACK UP ; vertical ; away from TABLE & LEAN ; no MORE =leaning|=bending",
+            PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND ; GO|come|get|be|BACK ?BACK ?to|into|at|in ?a ?sitting|the UPRIGHT|vertical ?POSE ; sit ?up|BACK ?UP UPRIGHT ; LEAN right|MORE|all BACK ; come|get|BACK ?BACK UP ; undo|end ?the|your lean ; STRAIGHTEN ; bring|move|PULL PART BACK UP ; vertical ; away from TABLE & LEAN ; no MORE =leaning|=bending ; \
+            ^ PART BACK $",
         denied: "STOP|quit|cease =leaning|=bending ; not|stop slouch|slump|=slouching ; not slouch & STRAIGHTEN ; \
             not LEAN any|longer|anymore",
         ..Words::NONE

@@ -12,6 +12,7 @@ const CORRECTIONS: usize = 3;
 
 pub(super) const LIFT: RequestKind = RequestKind {
     words: Words {
+        said: "^ UP ?UP ?you ?come|go $ ; ^ ?UP off ?the TABLE",
         told: "^ up with THING ; pick .. up ; LIFT|GRAB THING|SOME ?UP ; LIFT|GRAB|get ?UP THING|SOME ; \
             LIFT THING|SOME|them|UP ?UP|off|high ; LIFT ?UP ?a ?BIT $ ; \
             get|take|catch|have|keep|lay|GRAB ?a ?GOOD ?firm|tight hold|grip|GRAB ?ON|of|OF THING|SOME ; \

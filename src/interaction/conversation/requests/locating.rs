@@ -20,7 +20,9 @@ pub(super) const HOW_FAR: RequestKind = RequestKind {
             how long be the|your way|REACH ; in ?terms ?of UNIT ; GAP|space between ; how SIZED be the GAP ; \
             FAR away from ; how FAR off|away|out ; \
             how FAR .. HELPING|have|must you .. REACH|stretch|GO|move|lean ; what .. distance|GAP ; distance ; by how much|far .. FAR ; how much .. away|off|between ; MORE|less than .. UNIT ; how FAR|close|NEAR ; what .. RANGE ; \
-            ASKING HELPING you TELL|guess|estimate|think .. GAP",
+            ASKING HELPING you TELL|guess|estimate|think .. GAP ; \
+            be THING ?ANY UNIT FAR ; \
+            a long way ?off|away|to ; how many UNIT ?FAR ; how much NEAR|FAR|closer|farther|nearer ; for|of the distance ; give .. distance|GAP ; gauge|estimate .. distance|GAP ; long way off|away",
         past: "distance ; how FAR|NEAR",
         ..Words::NONE
     },
@@ -46,7 +48,9 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
             be THING =reached|=touched|=grasped & !already ; near enough ; close enough ; far enough ; \
             how easily|well|easy & REACH ; FAR $ ; close|near at hand ; to hand ; get that FAR ; get there ; \
             touch THING from|without ; which ?THING be NEAR ; \
-            HELPING .. need|have ?to LEAN ; possible for you to REACH|TOUCH|get ; inside|in|within|out ?of ?your RANGE ; i|you PUSH|PULL THING NEAR ; stretch|REACH that FAR",
+            HELPING .. need|have ?to LEAN ; possible for you to REACH|TOUCH|get ; inside|in|within|out ?of ?your RANGE ; i|you PUSH|PULL THING NEAR ; stretch|REACH that FAR ; \
+            ^ in|within RANGE $ ; \
+            HELPING you make THING ; REACH as|that|so FAR ; would you REACH THING if",
         ..Words::NONE
     },
     needs_body: true,
@@ -80,6 +84,7 @@ pub(super) const WHERE_OWN: RequestKind = RequestKind {
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind {
     words: Words {
+        told: "^ contact where",
         asked: "where|whereabouts ; where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
             WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; \
             which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; which|what .. side ; \
@@ -95,7 +100,9 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind {
             locate THING & words ; where be THING ?now ; what part|spot ; BODY or|the BODY & FEEL ; be THING SIDE ; \
             left|right side ; be THING ahead|behind|left|right ; on|to your left|right ; \
             where .. ON ?your|the BODY|skin|body|you ; where on ?your|the BODY|skin|body|you .. FEEL|contact ; with|by what|which .. FEEL|TOUCH ; what|which HAND|part|finger|limb ; point|indicate where ; \
-            with|by what|which HELPING|do you FEEL|TOUCH ?THING",
+            with|by what|which HELPING|do you FEEL|TOUCH ?THING ; \
+            where|whereabouts HELPING|do|be you|THING FEEL|TOUCH ?THING ; \
+            ^ contact where ; behind|front|left|right .. or ; where|which .. contact|touch",
         past: "left|right or ; where & you|THING|SOME|BODY|HAND ; where",
         ..Words::NONE
     },
@@ -123,7 +130,8 @@ pub(super) const WHAT_FELT: RequestKind = RequestKind {
             in CONTACT with ; do THING touch you|BODY ; \
             have|do|be you|BODY ?have|get ?a hold|grip of ; what .. BODY|HAND .. FEEL|TOUCH|notice|sense ; TELL .. what .. FEEL|sense ; receptors|receptor ; be ?any ?of ?your receptors|skin ANY ; can|could you FEEL THING|that|SOME ?right $ ; \
             TELL ?me what HAND|BODY be|do FEEL|TOUCH ; \
-            what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; FEEL me",
+            what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; FEEL me ; \
+            ^ ?do ?you =feeling|=sensing|sense|feel ANY|SOME $ ; get|have SOME ?in|ON BODY ; ^ =got SOME ON BODY ; ^ sense|feel|notice SOME $",
         ..Words::NONE
     },
     ..RequestKind::new(

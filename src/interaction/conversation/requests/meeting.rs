@@ -6,12 +6,14 @@ pub(super) const GREET: RequestKind = RequestKind {
     words: Words {
         asked: "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
             you|are|be ?you ok|okay|alright|well $ ; \
-            what be UP $ ; HELLO & how be THING",
+            what be UP $ ; HELLO & how be THING ; \
+            ^ be you there|=awake|wake $ ; ^ you =awake $ ; ^ YES max ; what be new",
         said: "GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; \
             ^ GOOD|good morning|afternoon|evening|day ; \
             ^ ?THING ?be GOOD|nice|pleased|glad|pleasure to|meeting|=meeting|seeing ?MEET|meet|see ?you ; \
             how be|do you ?doing|feeling|today|going|do|$ ; ^ morning|evening|afternoon ; long time no see ; \
-            ^ HELLO there|BEING",
+            ^ HELLO there|BEING ; \
+            good to be back ; make your acquaintance",
         ..Words::NONE
     },
     ..RequestKind::new(
@@ -23,12 +25,14 @@ pub(super) const GREET: RequestKind = RequestKind {
 pub(super) const THANKS: RequestKind = RequestKind {
     words: Words {
         past: "THANKS ; you be ?a ?GOOD help ; not thank you ; you =have =been ?a ?GOOD help|GOOD ; you =did GOOD ; \
-            ^ that be ?a|so GOOD ?of ?you",
+            ^ that be ?a|so GOOD ?of ?you ; \
+            i like how|what|that ; you nail THING ; well =played",
         said: "THANKS ?you|THING|many|much ?for|very|ALL|so|a ?THING|your ?help|much|$ ; you be ?a GOOD help|=doing ; you be =doing well|GOOD ; owe you ; impressed ; not thank you ; THANKS ; \
             well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
             you have be|being ?a|of ?GOOD help|helpful|useful|GOOD ; GOOD job|work|effort ; how kind ; \
             THING be ?a|so ?very GOOD ; you be GOOD ; you be a|the GOOD ; \
-            ^ nice|good|lovely|great one ; way to go ; i be ?so|very|really GOOD|THANKS|grateful ; very|so GOOD",
+            ^ nice|good|lovely|great one ; way to go ; i be ?so|very|really GOOD|THANKS|grateful ; very|so GOOD ; \
+            ^ what a GOOD ; ^ GOOD job|work|stuff|BEING|going|one ; ^ GOOD $ ; you nail THING ; you rock ; well play|=played ; i like how|what|that ; THING will do nicely",
         ..Words::NONE
     },
     ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("You are welcome")))
@@ -36,7 +40,8 @@ pub(super) const THANKS: RequestKind = RequestKind {
 
 pub(super) const WHO: RequestKind = RequestKind {
     words: Words {
-        told: "INTRODUCE yourself ; TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE|a ?BIT about yourself",
+        told: "INTRODUCE yourself ; TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE|a ?BIT about yourself ; \
+            identify yourself",
         asked: "who HELPING|be you ; who you be ; who i be ?=talking|=speaking ; your name ; who|what ?you|exactly be you ; \
             who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; \
             which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; ^ ?and you be $ ; \
@@ -45,7 +50,8 @@ pub(super) const WHO: RequestKind = RequestKind {
             how be you =called ; call|named|name you ; you be BEING|right|real ; who be =speaking|=talking|there|this ; \
             people call you ; TELL .. who you be ; what you be|call|called ; about yourself ; \
             what HELPING|be i call you ; be this|that BEING ; \
-            you be who",
+            you be who ; \
+            who go|be there|this ; which|what BEING be this|THING|you ; what be this program ; identify|introduce yourself ; state ?your name",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -23,6 +23,7 @@ const EFFORT: usize = 2;
 
 pub(super) const PUT_FAR: RequestKind = RequestKind {
     words: Words {
+        said: "^ to FAR end|side|edge ; ^ FAR $ ; ^ ON other|opposite end|side",
         told: "PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR ; \
             PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across ; \
             PUT|PUSH|PULL|take|get|carry THING|SOME ?straight|right|ALL ?the ?way out|FORWARD|outward|outwards|across|beyond|aside|yonder ; \
@@ -41,9 +42,10 @@ pub(super) const PUT_FAR: RequestKind = RequestKind {
             THING as FAR as|possible ; as FAR as .. ; PUSH THING|SOME FAR ?from ?you ; \
             PUT THING FAR ?from you|BODY|here ; THING FAR & !be|how|where|which ; PUSH|PUT THING away|off ; ^ PUSH $ ; \
             send|throw|toss|thrust THING ; \
-            PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|stand|be|set|bring & THING|SOME & FAR & !NEAR ; PUT|PUSH & THING|SOME & GAP|LENGTH|RANGE ; THING .. way off|away|out ; THING .. only|just|barely REACH ; PUT|PUSH .. THING .. where .. only|just|barely ; GAP THING from ; THING at|on|to ?the|its|a ?very FAR|back|other|opposite|maximum|greatest end|edge|side|back|GAP|place ; make|clear room|space ; \
-            THING .. FAR ?away|off & !be|how|where|which|NEAR ; \
-            PUT|PUSH|get|take|bring|GO THING .. ON other|opposite|far|back end|side|edge|half",
+            PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring & THING|SOME & FAR & !NEAR|too|or|how ; PUT|PUSH & THING|SOME & GAP|LENGTH|RANGE ; THING .. way off|away|out ; THING .. only|just|barely REACH ; PUT|PUSH .. THING .. where .. only|just|barely ; GAP THING from ; THING at|on|to ?the|its|a ?very FAR|back|other|opposite|maximum|greatest end|edge|side|back|GAP|place ; make|clear room|space ; \
+            THING .. FAR ?away|off & !be|how|where|which|NEAR|too ; \
+            PUT|PUSH|get|take|bring|GO THING .. ON other|opposite|far|back end|side|edge|half ; \
+            ^ WANTED .. FAR & THING & !too|how|NEAR|or",
         ..Words::NONE
     },
     needs_body: true,
@@ -55,10 +57,11 @@ pub(super) const PUT_FAR: RequestKind = RequestKind {
 
 pub(super) const BRING_NEAR: RequestKind = RequestKind {
     words: Words {
+        said: "^ ?over this way $ ; ^ ?NEAR ON you|yourself $ ; ^ NEAR $",
         told: "PULL ?THING|SOME ?BIT NEAR & !FAR ; PULL ?me THING|SOME & !FAR|away|off|UP ; \
             PUT|PUSH|PULL|take|get|make|have|let|LET|want|carry THING|SOME ?a ?BIT ?MORE ?right|UP|over|back|in ?to NEAR & !FAR ; \
             PUT|PUSH|PULL|take|get|make|carry THING|SOME .. ?right|over|up|just|back ?close|near ON|by|near|beside|next|before|against|into ?in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap & !FAR|away ; \
-            THING ?to ?could|should|must ?to =be|GO ?a ?BIT ?MORE NEAR ; ^ ?BIT ?MORE NEAR ?please $ & !nearest|closest ; \
+            THING ?to ?could|should|must ?to =be|GO ?a ?BIT ?MORE NEAR ; ^ ?BIT ?MORE =closer|=nearer ?please $ ; ^ BIT ?MORE NEAR ; \
             reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?the|its|your GAP ; \
             like|want|need|have THING ?a ?BIT ?MORE NEAR ; ^ PULL|fetch|draw|drag $ ; come ?BACK|NEAR with THING ; \
             make THING ?come|be ?MORE NEAR ; ^ ?over here $ ; \
@@ -67,10 +70,11 @@ pub(super) const BRING_NEAR: RequestKind = RequestKind {
             PULL THING ON you|yourself|BODY|me ; PUSH|PUT THING your way ; \
             PUT|PUSH|get|take|want|like|have THING right in front of ; PUT|PUSH THING back to you|me ; \
             bring|get THING here|over|back & !FAR ; PULL in THING ; shift|PUSH THING ON you|yourself|BODY|me ; PULL BACK ; \
-            PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|stand|be|set|bring|return & THING|SOME & NEAR & !FAR ; PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set THING|SOME .. ON|next|before|beside|by|near ?to you|yourself|me ; PUT|PUSH|PULL|move|bring THING|SOME this|your way ; PUT|PUSH|PULL THING .. before|next you|yourself ; PULL THING|SOME in ; \
+            PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring|return & THING|SOME & NEAR & !FAR|too|or|how ; PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set THING|SOME .. ON|next|before|beside|by|near ?to you|yourself|me ; PUT|PUSH|PULL|move|bring THING|SOME this|your way ; PUT|PUSH|PULL THING .. before|next you|yourself ; PULL THING|SOME in ; \
             THING ?right next|beside|before|by ?to you|yourself|me|PART ; \
             THING .. NEAR & !be|how|where|which|FAR ; \
-            PUT|PUSH|PULL|bring THING .. your|this way|direction",
+            PUT|PUSH|PULL|bring THING .. your|this way|direction ; \
+            ^ WANTED .. NEAR & THING & !too|how|FAR|or",
         ..Words::NONE
     },
     needs_body: true,

@@ -4,9 +4,12 @@ use super::{Act, Answer, RequestKind, Words};
 
 pub(super) const QUIT: RequestKind = RequestKind {
     words: Words {
+        past: "that|THING be ALL",
         told: "^ END|STOP|call THING ?a day|here|now ; ^ STOP|END here ; wrap THING up|for ?for ?today ; \
             ^ quit|exit|end|finish $ ; ^ END|leave|finish|end ?the|this|our|THING TALK ; ^ log|sign out|off ; \
-            ^ shut down|off ; ^ turn|switch yourself off",
+            ^ shut down|off ; ^ turn|switch yourself off ; \
+            ^ switch|shut|power|log|sign ?THING|yourself off|down|out $ ; wrap THING|up ; call THING a night|day ; \
+            ^ ?have ?to go $ ; ^ go home $",
         denied: "STOP|cease =talking|=listening",
         said: "i|we ?have|must|better|should|need ?got|had ?better|best ?to be|dash off|away|$ ; \
             i must|have ?to dash|run|go|leave ; end of our|the TALK ; i be =going|=leaving|=off home|off|away|now ; \
@@ -22,7 +25,9 @@ pub(super) const QUIT: RequestKind = RequestKind {
             keep in touch ; ALL for today|now ; THING ALL for|today ; we be =done|=finished ; i be =done|off ; \
             END here ; wrap THING up ; \
             end of ?the|our|this TALK ; ^ end TALK ; \
-            ^ that|THING be it ?for ?now ; SPEAK ?to ?you again ; catch you later",
+            ^ that|THING be it ?for ?now ; SPEAK ?to ?you again ; catch you later ; \
+            i be out|off $ ; wrap up ; night night ; you HELPING go ?now|home $ ; ^ =dismissed ; no more for today|now ; THING|that will do for ?today|now|tonight ; time|HELPING|have to go ?home|now ; have to go ; ^ gotta go ; \
+            ^ ?you HELPING go ?now|home $ ; ^ go $",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -20,7 +20,9 @@ pub(super) const REST: RequestKind = RequestKind {
             ?BACK to|into your|the ?START POSE ; DROP|lower HAND ; ^ return $ ; as you were ; take five $ ; \
             GO limp|slack ; GO ?BACK to your|the START ?POSE ; GO BACK to|rest|START ; rest $ ; chill ; \
             stand down|easy|easily ; hang loose ; a rest ; \
-            PUT|park|fold|bring|move|return|take|draw|PULL ?both BODY in|back|away|DOWN ; park BODY ; GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your|the|a START ?POSE ; assume|adopt|take|resume ?your|the|a START POSE ; GO idle|comfortable ; START ?POSE ?please $ ; BACK ?to|at|in ?your|the START ?POSE ; lower BODY ; at ease ; BACK to ?your|the POSE ; GO BACK to POSE",
+            PUT|park|fold|bring|move|return|take|draw|PULL ?both BODY in|back|away|DOWN ; park BODY ; GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your|the|a START ?POSE ; assume|adopt|take|resume ?your|the|a START POSE ; GO idle|comfortable ; START ?POSE ?please $ ; BACK ?to|at|in ?your|the START ?POSE ; lower BODY ; at ease ; BACK to ?your|the POSE ; GO BACK to POSE ; \
+            ease off|up $ ; \
+            take|get|PULL|remove HAND off|from TABLE",
         ..Words::NONE
     },
     ..RequestKind::new(["go back to rest", "went back to rest"], Act::Moves(|creature, _, _| creature.rest()))

@@ -40,8 +40,11 @@ pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
             TELL|know what THING be $ ; be THING SOME ; what could|might THING be ; SHAPED or ; \
             recognise|recognize|identify THING ; what THING|that be ; do ?you ?KNOW what THING be ; what be THING|this|that ; be|do ?its|the side|sides|top|edges|surface SHAPED ; what ?HELPING you TELL|say|KNOW ?me about|of THING|its ; how do THING FEEL ; how HELPING you describe|call THING|its ; THING SHAPED ; how be THING SHAPED ; any SHAPED ; what ?KIND ?of SOME|THING|BEING be THING|this|that ; \
             THING be .. SHAPED ; \
-            description ; how be THING FORM",
-        past: "FORM ; SHAPED",
+            description ; how be THING FORM ; \
+            how do THING FEEL|look|seem ; what do you take THING for ; what do FORM FEEL|look|seem like ; \
+            what have ?you ?we get|=got there|here ; impression of ; what HELPING you call THING ; what do you make of THING ; how many side|sides|corners|edges|faces ; what you think THING be ; make out ?its|the FORM",
+        past: "FORM ; SHAPED ; \
+            what KIND",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -8,7 +8,8 @@ pub(super) const STOP: RequestKind = RequestKind {
             ^ STOP|quit ?DOING ?what|whatever|THING|everything|ALL $ ; ^ STOP what|whatever|THING|ALL|everything ; \
             ^ STOP ?right there|$ ; ^ END what|whatever ; ^ wait|hold ?on|up|it ?a|there ?moment|minute|second|there $ ; \
             ^ hold on|up ; knock|pack|cut THING off|out ; ^ STOP ; \
-            interrupt ; ^ hold your horses ; leave off ; ^ ANY STOP $",
+            interrupt ; ^ hold your horses ; leave off ; ^ ANY STOP $ ; \
+            ^ END that $ ; break THING off ; leave THING at THING ; chuck|pack THING in",
         denied: "^ STOP|quit what|whatever|you ; ^ STOP|cease ?THING $ ; no more $ ; \
             no|not ?go ?carry ?any continue|on|further ; cut THING out ; STOP ?THING ?right there $ ; \
             ^ leave off",
@@ -16,7 +17,9 @@ pub(super) const STOP: RequestKind = RequestKind {
             ^ STOP|whoa|woah|wait|pause|abort|cancel|halt ; never mind ; ^ no MORE ?of ?THING $ ; \
             ^ no|not ?go ?carry ?any continue|on|further ; \
             ^ ?ANY STOP $ ; leave off $ ; ^ hang on ; \
-            THING|that be enough|plenty|sufficient",
+            THING|that be enough|plenty|sufficient ; \
+            ^ give up $ ; ^ break off ; \
+            ^ time out $ ; ^ pack THING|in ; ^ cut $ ; ^ chuck THING in ; leave THING at THING ; ^ break THING off ; ^ END THING|that $ ; that|THING be plenty",
         ..Words::NONE
     },
     ..RequestKind::new(

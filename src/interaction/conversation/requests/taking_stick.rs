@@ -26,7 +26,8 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
         told: "GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; \
             PUT DOWN|away|BACK|SIDEWAYS STICK ; DROP|return STICK ; LET STICK go|fall|drop ; \
             LET|leave ?go of|off STICK ; GIVE STICK ; \
-            STICK BACK|down|away ; want|like|have|need|get STICK BACK ; get rid of STICK ; leave|lose|DROP|LET|return STICK ; GIVE .. STICK ; STICK & GIVE|return|DROP ; PUT|lay .. STICK .. DOWN|away|BACK|SIDEWAYS",
+            STICK BACK|down|away ; want|like|have|need|get STICK BACK ; get rid of STICK ; leave|lose|DROP|LET|return STICK ; GIVE .. STICK ; STICK & GIVE|return|DROP ; PUT|lay .. STICK .. DOWN|away|BACK|SIDEWAYS ; \
+            away with STICK ; give me my STICK",
         ..Words::NONE
     },
     ..RequestKind::new(

@@ -16,7 +16,7 @@ pub(super) const TOUCH: RequestKind = RequestKind {
             give THING ?a ?BIT ?GOOD|quick TOUCH|PUSH|tap|poke|pat ; USE HAND ?to|for|on ?TOUCH ; \
             HAND ?should|must|be|GO ?be|go|should ?be ON THING ; HAND ON THING|SOME ; HAND to THING ; \
             ^ USE STICK ?to|for|on ?TOUCH ; ^ HAND $ ; ^ ?but|and|do|try ?THING with|use HAND ?instead|now $ ; \
-            REACH ?out ?and|to|for TOUCH ; switch|change|swap ?over ?to ?HAND ; ^ THING TOUCH THING ; \
+            REACH ?out ?and|to|for TOUCH ; switch|change|swap ?over ?to HAND ; ^ THING TOUCH THING ; \
             ^ TOUCH with HAND ; TOUCH with STICK|HAND ; TOUCH & THING ; TOUCH THING with HAND|STICK ; HAND TOUCH THING ; \
             with HAND TOUCH THING ; next up TOUCH ; THING with HAND ; touch with|between HAND ; \
             finger|fingertips on THING ; ^ THING & other|instead ; HAND TOUCH ; \
