@@ -17,7 +17,7 @@ use bodyschema::learning::surface_gap::SurfaceGap;
 use bodyschema::learning::touch_set::{LimbTouch, TouchProblem, TouchSet};
 use bodyschema::learning::{AxisModel, Hersch, Input, Learner, Parameters, SecondOrder};
 use bodyschema::schema::BodySchema;
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::{MotionName, Movers};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix3;
@@ -37,12 +37,12 @@ const ONE_ITERATION: Stopping =
     Stopping { iterations: 1, relative_cost: 0.0, cost: 0.0, deadline: Deadline::NEVER };
 
 /// Touches of exact points on `creature`, made ready for a solver.
-fn prepare(agent: &Agent, touches: &[Touch]) -> TouchSet {
+fn prepare(agent: &Agent, touches: &[RecordedTouch]) -> TouchSet {
     let prepared = touches.iter().map(|touch| {
         let limbs = touch.ends.map(|end| agent.skin().receptors[end.receptor].limb);
-        let ends = touch.ends.map(|end| Observation {
-            receptor: end.receptor,
-            position: end.contact,
+        let ends = [0, 1].map(|k| Observation {
+            receptor: touch.ends[k].receptor,
+            position: touch.exact_contact().points[k],
             covariance: Matrix3::identity() * CONTACT_DEVIATION.powi(2),
         });
         LimbTouch { limbs, posture: &touch.posture, ends }
@@ -95,7 +95,7 @@ fn learning(criterion: &mut Criterion) {
     group.bench_function("learned from 500 contact touches", |bencher| {
         let learner = || {
             let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
-            touches[..500].iter().for_each(|touch| learner.touch(touch));
+            touches[..500].iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
             learner
         };
         bencher.iter_batched(learner, |mut learner| black_box(learner.learn()), BatchSize::PerIteration);

@@ -39,9 +39,10 @@ impl Learner for Thrifty {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let babbled = Agent::from_mjcf("mjcf/max/max.xml")?.babble(500)?;
-    let (thrifty, errors) = babbled.learn_with(Thrifty::new)?;
+    let (thrifty, errors) = babbled.learn_with(Input::Contact, Thrifty::new)?;
     println!("thrifty: converged {}, {:.1e} mm", thrifty.verdict.converged(), errors.determined_mm.mean);
-    let (all, errors) = babbled.learn_with(|agent| SecondOrder::new(agent, Input::Contact, 1))?;
+    let (all, errors) =
+        babbled.learn_with(Input::Contact, |agent| SecondOrder::new(agent, Input::Contact, 1))?;
     println!("all: converged {}, {:.1e} mm", all.verdict.converged(), errors.determined_mm.mean);
     Ok(())
 }

@@ -7,7 +7,7 @@ use bodyschema::agent::Agent;
 use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::mujoco::Model;
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::Effort;
 
 /// Max with the joints of his torso (16 joints, 42 degrees of freedom), and the agent in it.
@@ -31,9 +31,9 @@ fn moving(joints: &JointSelection) -> (Body, Agent) {
 
 /// The first touches of seed 1, made by one thread, and what they cost.
 #[allow(dead_code, reason = "not every benchmark needs touches")]
-pub fn babble(babbler: &Babbler, touches: usize) -> (Vec<Touch>, Effort) {
+pub fn babble(babbler: &Babbler, touches: usize) -> (Vec<RecordedTouch>, Effort) {
     let mut made = Vec::with_capacity(touches);
-    let receive = |touch: &Touch| {
+    let receive = |touch: &RecordedTouch| {
         made.push(touch.clone());
         Ok(())
     };

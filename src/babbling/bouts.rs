@@ -6,7 +6,7 @@ use super::{MOTION, TOUCHES_PER_BOUT};
 use crate::deadline::{Deadline, count_work};
 use crate::error::Error;
 use crate::learning::growth::Growth;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::share::Share;
 use crate::simulation::{Effort, EngineResult};
 
@@ -25,7 +25,7 @@ pub struct BoutsDone {
 #[derive(Clone, Copy, Debug)]
 pub enum Made<'a> {
     /// The next touch.
-    Touch(&'a Touch),
+    Touch(&'a RecordedTouch),
     /// The end of a bout: how far that is, all touches up to here being handed on, and what the bout cost.
     Bout(BoutsDone, Effort),
     /// What a policy has learned of all touches up to here.
@@ -36,7 +36,7 @@ pub enum Made<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedBout {
     /// Its touches.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<RecordedTouch>,
     /// What all its motions cost.
     pub effort: Effort,
 }
@@ -44,7 +44,7 @@ pub struct RecordedBout {
 /// The touches and the effort of one bout.
 pub(super) struct Bout {
     /// The touches, each with the bout's effort up to it.
-    pub touches: Vec<(Touch, Effort)>,
+    pub touches: Vec<(RecordedTouch, Effort)>,
     /// The effort of all its motions.
     pub effort: Effort,
     /// Whether it came to its end; what comes after one that did not would leave a gap.
@@ -143,16 +143,15 @@ pub(super) fn gather(
 #[cfg(test)]
 mod tests {
 
-    use nalgebra::Vector3;
-
     use super::*;
-    use crate::babbling::{MOTIONS_PER_BOUT, motions_until};
     use crate::creature::Posture;
-    use crate::senses::TouchEnd;
+    use crate::senses::{ExactContact, Touch, TouchEnd};
 
-    fn touch(bout: u64, motion: u64) -> Touch {
-        let end = |receptor| TouchEnd { receptor, contact: Vector3::zeros(), deviation: None };
-        Touch { bout, motion, posture: Posture::default(), ends: [end(0), end(1)], moment: None }
+    fn touch(bout: u64, motion: u64) -> RecordedTouch {
+        let ends = [TouchEnd::at(0), TouchEnd::at(1)];
+        let touch = Touch { bout, motion, posture: Posture::default(), ends, moment: None };
+        let contact = ExactContact { points: Default::default(), deviations: [None; 2], depth: None };
+        RecordedTouch::new(touch, contact)
     }
 
     fn effort(motions: u64) -> Effort {
@@ -205,18 +204,5 @@ mod tests {
             });
             assert_eq!(ends.sum::<u64>(), wanted.div_ceil(TOUCHES_PER_BOUT) as u64);
         }
-    }
-
-    #[test]
-    fn motions_are_counted_over_bouts_that_touches_or_motions_ended() {
-        let full = (1..=TOUCHES_PER_BOUT as u64).map(|k| touch(0, 3 * k));
-        // Bout 1 has no touch, bout 2 ended after its last motion.
-        let touches: Vec<Touch> = full.chain([touch(2, 7), touch(3, 1)]).collect();
-        let motions = motions_until(&touches);
-        let last = 3 * TOUCHES_PER_BOUT as u64;
-        assert_eq!(
-            motions[TOUCHES_PER_BOUT - 1..],
-            [last, last + MOTIONS_PER_BOUT + 7, last + 2 * MOTIONS_PER_BOUT + 1]
-        );
     }
 }

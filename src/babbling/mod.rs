@@ -19,9 +19,8 @@ use crate::babbling::bouts::{Bout, End, gather};
 use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
 use crate::error::{Error, Kind};
-use crate::learning::Input;
 use crate::learning::growth::Growth;
-use crate::senses::Touch;
+use crate::senses::{Input, RecordedTouch};
 use crate::share::Share;
 use crate::simulation::{Effort, Ending, EngineResult, MotionUntilTouch, Movers};
 
@@ -110,7 +109,7 @@ impl<'a> Babbler<'a> {
     pub fn babble(
         &self,
         options: &BabblingOptions,
-        mut receive: impl FnMut(&Touch) -> Result<(), Error>,
+        mut receive: impl FnMut(&RecordedTouch) -> Result<(), Error>,
     ) -> Result<Effort, Error> {
         self.babble_on(BoutsDone::default(), options, |made| match made {
             Made::Touch(touch) => receive(touch),
@@ -273,10 +272,10 @@ impl<'a> Babbler<'a> {
             let mut effort = before;
             effort += mover.effort();
             let motion = effort.motions;
-            if let Ending::Touch(ends) = ending {
-                let mut touch = mover.touch(0, ends)?;
+            if let Ending::Touch(met) = ending {
+                let mut touch = mover.touch(0, met)?;
                 touch.motion = motion;
-                policy.touched(&touch);
+                policy.touched(&touch.felt(self.input));
                 receive(Made::Touch(&touch))?;
                 if let Some(growth) = policy.grown() {
                     receive(Made::Grown(growth))?;
@@ -329,8 +328,8 @@ impl<'a> Babbler<'a> {
         let is_whole = |made: usize, motions| made >= TOUCHES_PER_BOUT || motions >= MOTIONS_PER_BOUT;
         while !is_whole(touches.len(), mover.effort().motions) && !self.deadline.has_passed() {
             let target = policy.next_target(&mover.felt_posture()?, &mut rng);
-            if let Ending::Touch(ends) = mover.advance(&target)? {
-                touches.push((mover.touch(bout, ends)?, mover.effort()));
+            if let Ending::Touch(met) = mover.advance(&target)? {
+                touches.push((mover.touch(bout, met)?, mover.effort()));
             }
         }
         let (is_whole, effort) = (is_whole(touches.len(), mover.effort().motions), mover.effort());
@@ -343,22 +342,4 @@ fn noise_of(seed: u64, bout: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(NOISE_STREAMS | bout);
     rng
-}
-
-/// Per touch of a session, in their order, the motions made up to it, in all bouts before it too.
-pub fn motions_until(touches: &[Touch]) -> Vec<u64> {
-    let (mut before, mut bout, mut made) = (0, 0, 0);
-    let mut motions = Vec::with_capacity(touches.len());
-    for touch in touches {
-        if touch.bout != bout {
-            // A bout ends with its last touch or, where touches are rare, after its last motion.
-            before +=
-                if made == TOUCHES_PER_BOUT { touches[motions.len() - 1].motion } else { MOTIONS_PER_BOUT };
-            before += (touch.bout - bout - 1) * MOTIONS_PER_BOUT;
-            (bout, made) = (touch.bout, 0);
-        }
-        made += 1;
-        motions.push(before + touch.motion);
-    }
-    motions
 }

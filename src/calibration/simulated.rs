@@ -11,6 +11,7 @@ use crate::creature::{DofKind, Posture, ball};
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
+use crate::senses::RecordedTouch;
 
 /// Touches of an agent, whose joints are where a schema says, as a log of points tells them for a robot with links and degrees
 /// of freedom of the same names. The robot's frames may be others, and its root one that carries the agent's: with all joints
@@ -19,7 +20,7 @@ pub fn point_touches(
     agent: &Agent,
     schema: &BodySchema,
     robot: &Robot,
-    touches: &[crate::senses::Touch],
+    touches: &[RecordedTouch],
 ) -> Vec<Touch> {
     let creature = agent.creature();
     // What follows another joint need not be at zero where that one is.
@@ -44,11 +45,12 @@ pub fn point_touches(
         .zip(&own)
         .map(|(name, frame)| robot.points_of(name).map(|link| (link, theirs[link].inverse() * root * *frame)))
         .collect();
-    let end = |end: &crate::senses::TouchEnd| {
-        let (link, pose) = places[agent.skin().receptors[end.receptor].limb]?;
-        Some(vec![End { feature: Feature::Point(link, pose.point(&end.contact)), deviation: None }])
+    let end = |touch: &RecordedTouch, k: usize| {
+        let (link, pose) = places[touch.limbs(agent.skin())[k]]?;
+        let point = pose.point(&touch.exact_contact().points[k]);
+        Some(vec![End { feature: Feature::Point(link, point), deviation: None }])
     };
-    let one = |(i, touch): (usize, &crate::senses::Touch)| {
+    let one = |(i, touch): (usize, &RecordedTouch)| {
         let mut posture = reference.clone();
         for (joint, place) in creature.joints().iter().zip(&places[1..]) {
             for element in joint.elements() {
@@ -69,7 +71,7 @@ pub fn point_touches(
         Some(Touch {
             line: i + 2,
             posture,
-            ends: [end(&touch.ends[0])?, end(&touch.ends[1])?],
+            ends: [end(touch, 0)?, end(touch, 1)?],
             distance: 0.0,
             time: None,
         })

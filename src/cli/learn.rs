@@ -9,7 +9,7 @@ use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::learning::{Input, Learner, LimbFrames};
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{
     BabbledSession, FolderLock, LearningOptions, Provenance, ReadLock, RecordedSession, RecordingSource,
     Session, TOUCHES_FILE, read_touches,
@@ -118,7 +118,7 @@ fn are_of_limb_frames(babbled: &BabbledSession, learning: &LearningOptions) -> b
         return false;
     }
     let mut learner = other.second_order(agent, babbled.session.seed);
-    babbled.touches.iter().for_each(|touch| learner.touch(touch));
+    babbled.touches.iter().for_each(|touch| learner.touch(&touch.felt(other.input())));
     learner.learn_in(STARTS).verdict.converged()
 }
 
@@ -129,7 +129,7 @@ struct Learnable {
     /// The session that is new in it; none where it is there.
     made: Option<RecordedSession>,
     session: Session,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
     learning: LearningOptions,
 }
 

@@ -9,7 +9,7 @@ use super::{Failure, Outcome, output};
 use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::senses::{Touch, limb_pairs};
+use crate::senses::{RecordedTouch, limb_pairs};
 use crate::session::words::listed;
 use crate::session::{
     BabbledSession, DisturbanceLevels, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer,
@@ -60,7 +60,7 @@ pub fn learn_and_report(
 pub fn print_learned(
     folder: &Path,
     session: &Session,
-    touches: &[Touch],
+    touches: &[RecordedTouch],
     options: &LearningOptions,
     result: &LearnedSession,
     as_json: bool,
@@ -73,8 +73,8 @@ pub fn print_learned(
 }
 
 /// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
-fn depth_mm(touches: &[Touch]) -> Option<Summary> {
-    let depths = || touches.iter().filter_map(|touch| touch.moment).map(|moment| 1e3 * moment.depth);
+fn depth_mm(touches: &[RecordedTouch]) -> Option<Summary> {
+    let depths = || touches.iter().filter_map(|touch| touch.exact_contact().depth).map(|depth| 1e3 * depth);
     depths().next().map(|_| Summary::of(depths()))
 }
 
@@ -82,7 +82,7 @@ fn depth_mm(touches: &[Touch]) -> Option<Summary> {
 fn to_json(
     folder: &Path,
     session: &Session,
-    touches: &[Touch],
+    touches: &[RecordedTouch],
     options: &LearningOptions,
     result: &LearnedSession,
 ) -> Value {
@@ -129,7 +129,7 @@ fn to_json(
 fn print_table(
     folder: &Path,
     session: &Session,
-    touches: &[Touch],
+    touches: &[RecordedTouch],
     options: &LearningOptions,
     result: &LearnedSession,
 ) {

@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, 
 use super::message::quiet;
 use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{LearningStep, Observer, Phase};
 
 /// How often a bar is drawn anew where nothing happens.
@@ -109,7 +109,7 @@ impl Observer for Bars {
         }
     }
 
-    fn touched(&self, _: &Touch) {
+    fn touched(&self, _: &RecordedTouch) {
         self.advance();
     }
 

@@ -10,7 +10,7 @@ use super::open::known_truth;
 use super::{Outcome, output, progress};
 use crate::evaluation::{Evaluation, Summary, touch_misses, touches_across};
 use crate::learning::Account;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 use crate::view::report::{REPORT_FILE, write_report};
 use crate::view::text;
@@ -62,7 +62,7 @@ pub fn run(args: &ReportArguments) -> Outcome {
 struct Found<'a> {
     session: &'a Session,
     /// Those that were learned from.
-    touches: &'a [Touch],
+    touches: &'a [RecordedTouch],
     record: &'a LearningRecord,
     /// `None` if the truth is not known.
     evaluation: Option<Evaluation>,

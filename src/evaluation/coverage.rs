@@ -19,7 +19,7 @@ use crate::learning::observability::Observability;
 use crate::learning::observation::Observation;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::{Input, RecordedTouch, Touch};
 
 /// Random stream of the session's seed; bouts of babbling and initial guesses count from 0 and never get here.
 const STREAM: u64 = u64::MAX - 3;
@@ -39,7 +39,7 @@ const DIFFERENCE: f64 = 1e-5;
 pub fn with_gap_noise(
     agent: &Agent,
     truth: &GroundTruth,
-    touches: &[Touch],
+    touches: &[RecordedTouch],
     deviation: f64,
     seed: u64,
 ) -> Vec<Touch> {
@@ -48,7 +48,7 @@ pub fn with_gap_noise(
     let noisy = touches.iter().filter_map(|touch| {
         let standard: f64 = StandardNormal.sample(&mut rng);
         let posture = posture_of_gap(agent, truth, touch, deviation * standard, REACHED * deviation)?;
-        Some(Touch { posture, ..touch.clone() })
+        Some(Touch { posture, ..touch.felt(Input::Receptor) })
     });
     noisy.collect()
 }

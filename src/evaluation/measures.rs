@@ -13,7 +13,7 @@ use crate::kinematics::{Chain, ChainSide, limb_frames};
 use crate::learning::Account;
 use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 
 /// Postures at which the held-out error is taken.
 pub const HELD_OUT_POSTURES: usize = 2000;
@@ -261,18 +261,18 @@ fn line_distance(offset: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>) -> f
 }
 
 /// How far apart a schema puts the exact contact points of touches, millimetres.
-pub fn touch_misses(agent: &Agent, schema: &BodySchema, touches: &[Touch]) -> Summary {
-    let miss = |touch: &Touch| {
+pub fn touch_misses(agent: &Agent, schema: &BodySchema, touches: &[RecordedTouch]) -> Summary {
+    let miss = |touch: &RecordedTouch| {
         let frames = limb_frames(agent.creature(), schema, &touch.posture);
-        let [a, b] =
-            touch.ends.map(|end| frames[agent.skin().receptors[end.receptor].limb].point(&end.contact));
+        let (limbs, points) = (touch.limbs(agent.skin()), touch.exact_contact().points);
+        let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&points[k]));
         1e3 * (a - b).norm()
     };
     Summary::of(touches.iter().map(miss))
 }
 
 /// How many touches each joint lies across, and how many are of each limb's skin.
-pub fn touches_across(agent: &Agent, touches: &[Touch]) -> [Vec<usize>; 2] {
+pub fn touches_across(agent: &Agent, touches: &[RecordedTouch]) -> [Vec<usize>; 2] {
     let creature = agent.creature();
     let (mut of_joints, mut of_limbs) = (vec![0; creature.joints().len()], vec![0; creature.limbs().len()]);
     for [a, b] in touches.iter().map(|touch| touch.limbs(agent.skin())) {

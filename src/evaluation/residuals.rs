@@ -5,7 +5,7 @@ use crate::kinematics::limb_frames;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::{Input, Learner, SecondOrder};
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 
 /// The contact residuals of touches.
 #[derive(Clone, Debug)]
@@ -18,7 +18,12 @@ pub struct ContactResiduals {
 
 impl ContactResiduals {
     /// Gaps of receptors on known surfaces; else distances.
-    pub fn new(agent: &Agent, schema: &BodySchema, input: Input, touches: &[Touch]) -> ContactResiduals {
+    pub fn new(
+        agent: &Agent,
+        schema: &BodySchema,
+        input: Input,
+        touches: &[RecordedTouch],
+    ) -> ContactResiduals {
         let skin = agent.skin();
         let surface = |surface: usize| skin.surfaces.get(surface).is_some_and(|s| s.shape.is_solid());
         let known = skin.receptors.iter().all(|receptor| receptor.surface.is_some_and(surface));
@@ -32,10 +37,10 @@ impl ContactResiduals {
                 .map(|(limbs, touch)| (limbs, 1e3 * model.gap(&touch.ends, &touch.frames(schema)).distance));
             return ContactResiduals { values: values.collect(), gaps };
         }
-        let distance = |touch: &Touch| {
+        let distance = |touch: &RecordedTouch| {
             let frames = limb_frames(agent.creature(), schema, &touch.posture);
             let limbs = touch.limbs(skin);
-            let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.ends[k].contact));
+            let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.exact_contact().points[k]));
             (limbs, 1e3 * (a - b).norm())
         };
         ContactResiduals { values: touches.iter().map(distance).collect(), gaps }

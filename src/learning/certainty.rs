@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Account;
-use super::observation::{Input, LimbFrames, SkinKnowledge};
+use super::observation::{LimbFrames, SkinKnowledge};
+use crate::senses::Input;
 
 /// With what a schema was learned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

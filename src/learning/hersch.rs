@@ -22,9 +22,9 @@ use nalgebra::{Matrix3, Vector3};
 use crate::agent::Agent;
 use crate::creature::{DofKind, ball};
 use crate::kinematics::{Chain, axis_derivative, rotation};
-use crate::learning::observation::Input;
 use crate::learning::{Basis, Learned, Learner, Verdict};
 use crate::schema::BodySchema;
+use crate::senses::Input;
 use crate::senses::Touch;
 
 /// The small positive scalar ε of equations 1 and 2.
@@ -201,7 +201,7 @@ impl Hersch {
 impl Learner for Hersch {
     fn touch(&mut self, touch: &Touch) {
         let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
-        let places = touch.ends.map(|end| self.input.position(self.agent.skin(), &end));
+        let places = touch.ends.map(|end| end.position(self.input, self.agent.skin()));
         self.observe_points(&touch.posture, limbs, places);
     }
 

@@ -40,7 +40,7 @@ pub use hersch::{Hersch, STEP};
 pub use in_unit::LearnerInUnit;
 pub use known::{KnownJoint, LEAST_DEVIATION, PriorKnowledge};
 pub use length_unit::LengthUnit;
-pub use observation::{Input, LimbFrames, SkinKnowledge};
+pub use observation::{LimbFrames, SkinKnowledge};
 pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use placement::Z95;
@@ -52,6 +52,7 @@ use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::Deadline;
 use crate::schema::{BodySchema, SchemaStd};
+pub use crate::senses::Input;
 use crate::senses::Touch;
 
 /// A learner: touches in, schema out.

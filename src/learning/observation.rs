@@ -5,22 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::Frame;
 use crate::named::named;
-use crate::senses::TouchEnd;
-use crate::skin::Skin;
-
-/// What a touch reports of where it happened.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Input {
-    /// The receptors' centres: what a skin reports, the paper's input.
-    #[default]
-    Receptor,
-    /// The exact points of contact: what no skin reports, for comparison.
-    Contact,
-}
-
-named!(Input, "input", { Receptor => "receptor", Contact => "contact" });
 
 /// What the agent knows of its skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,16 +34,6 @@ pub enum LimbFrames {
 }
 
 named!(LimbFrames, "frames", { Joint => "joint", Limb => "limb" });
-
-impl Input {
-    /// `p_LR` of one end of a touch under this input, metres.
-    pub fn position(self, skin: &Skin, end: &TouchEnd) -> Vector3<f64> {
-        match self {
-            Input::Receptor => skin.receptors[end.receptor].position,
-            Input::Contact => end.contact,
-        }
-    }
-}
 
 /// What one end of a touch reports.
 #[derive(Clone, Copy, Debug, PartialEq)]

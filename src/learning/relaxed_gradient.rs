@@ -38,10 +38,11 @@ use rand_chacha::ChaCha8Rng;
 use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
-use crate::learning::observation::{Input, Observation};
+use crate::learning::observation::Observation;
 use crate::learning::touch_set::{NORMAL_DEVIATION, PreparedTouch};
 use crate::learning::{AxisModel, Basis, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
+use crate::senses::Input;
 use crate::senses::Touch;
 
 /// The share ε of a touch's miss that a step closes: half, where 1 lets the last touch undo all others.
@@ -190,7 +191,7 @@ impl Learner for RelaxedGradient {
         let sides = [0, 1].map(|k| ChainSide::new(self.agent.creature(), &chain.sides[k], &touch.posture));
         let ends = touch.ends.map(|end| Observation {
             receptor: end.receptor,
-            position: self.input.position(self.agent.skin(), &end),
+            position: end.position(self.input, self.agent.skin()),
             covariance: match self.input {
                 Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
                 Input::Receptor => self.agent.skin().receptors[end.receptor].covariance(NORMAL_DEVIATION),

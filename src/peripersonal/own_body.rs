@@ -12,7 +12,6 @@ use crate::geometry::Frame;
 use crate::kinematics::{Chain, Place, limb_frames};
 use crate::learning::{Account, Certainty, Learned};
 use crate::schema::BodySchema;
-use crate::senses::Touch;
 use crate::skin::Skin;
 
 /// A body is known well enough to act where skin is expected within this, metres: a fingertip's radius.
@@ -83,15 +82,24 @@ impl fmt::Display for Doubt {
 }
 
 impl OwnBody {
-    /// A schema, how sure it is, and the touches that it was learned from.
-    pub fn new(agent: &Agent, schema: BodySchema, certainty: Certainty, touches: &[Touch]) -> OwnBody {
-        let experienced = touches.iter().map(|touch| touch.posture.clone()).collect();
+    /// A schema, how sure it is, and the postures that it was learned in.
+    pub fn new<'p>(
+        agent: &Agent,
+        schema: BodySchema,
+        certainty: Certainty,
+        experienced: impl IntoIterator<Item = &'p Posture>,
+    ) -> OwnBody {
+        let experienced = experienced.into_iter().cloned().collect();
         OwnBody { agent: agent.clone(), schema, certainty, experienced }
     }
 
-    /// What is known after learning from touches.
-    pub fn of(agent: &Agent, learned: &Learned, touches: &[Touch]) -> OwnBody {
-        OwnBody::new(agent, learned.schema.clone(), learned.certainty(), touches)
+    /// What is known after learning in some postures.
+    pub fn of<'p>(
+        agent: &Agent,
+        learned: &Learned,
+        experienced: impl IntoIterator<Item = &'p Posture>,
+    ) -> OwnBody {
+        OwnBody::new(agent, learned.schema.clone(), learned.certainty(), experienced)
     }
 
     /// Who it is.

@@ -11,7 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind, ball};
-use crate::senses::{Touch, TouchEnd};
+use crate::senses::{FeltPoint, Input, RecordedTouch, Touch, TouchEnd};
 use crate::skin::Skin;
 
 /// Random streams of the session's seed, one per disturbance, so that none changes what another draws.
@@ -54,15 +54,16 @@ impl Disturbances {
         *self == Disturbances::default()
     }
 
-    /// What the agent feels of `touches` and believes of its `skin`; the same for the same seed, and the
-    /// first touches are felt alike however many come after them.
-    pub fn felt(&self, agent: &Agent, touches: &[Touch], seed: u64) -> DisturbedSenses {
+    /// What the agent feels of `touches` through a kind of skin, and believes of its `skin`; the same for the same seed,
+    /// and the first touches are felt alike however many come after them.
+    pub fn felt(&self, agent: &Agent, touches: &[RecordedTouch], input: Input, seed: u64) -> DisturbedSenses {
         let stream = |number: u64| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(number);
             rng
         };
-        let mut felt = DisturbedSenses { touches: touches.to_vec(), agent: agent.clone() };
+        let touches = touches.iter().map(|touch| touch.felt(input)).collect();
+        let mut felt = DisturbedSenses { touches, agent: agent.clone() };
         if self.false_touches > 0.0 {
             let mut rng = stream(FALSE_TOUCH_STREAM);
             felt.touches.iter_mut().for_each(|touch| self.confuse(agent.skin(), touch, &mut rng));
@@ -79,13 +80,16 @@ impl Disturbances {
             felt.agent =
                 agent.with_skin(skin).expect("displaced receptors are on the limbs that they were on");
             for end in felt.touches.iter_mut().flat_map(|touch| &mut touch.ends) {
-                end.contact += displacements[end.receptor];
+                let displacement = displacements[end.receptor];
+                end.point.iter_mut().for_each(|point| point.position += displacement);
             }
         }
         if self.point_noise > 0.0 {
             let mut rng = stream(POINT_STREAM);
-            for end in felt.touches.iter_mut().flat_map(|touch| &mut touch.ends) {
-                end.contact += vector(self.point_noise, &mut rng);
+            for point in
+                felt.touches.iter_mut().flat_map(|touch| &mut touch.ends).flat_map(|end| &mut end.point)
+            {
+                point.position += vector(self.point_noise, &mut rng);
             }
         }
         felt
@@ -140,7 +144,9 @@ impl Disturbances {
             || (0..skin.receptors.len()).filter(|&receptor| skin.receptors[receptor].limb != stays);
         let number = (place * elsewhere().count() as f64) as usize;
         let Some(receptor) = elsewhere().nth(number) else { return };
-        touch.ends[end] = TouchEnd { receptor, contact: skin.receptors[receptor].position, deviation: None };
+        let position = skin.receptors[receptor].position;
+        let point = touch.ends[end].point.map(|_| FeltPoint { position, deviation: None });
+        touch.ends[end] = TouchEnd { receptor, point };
         if limb(&touch.ends[0]) > limb(&touch.ends[1]) {
             touch.ends.swap(0, 1);
         }

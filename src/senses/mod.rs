@@ -6,6 +6,7 @@
 //! - [`TouchEvent`]: that something begins to touch, and afterwards the [`Sensation`] that it was, limb by limb.
 //! - [`Firing`]: of all that, only which receptor fired and when.
 //! - [`Touch`]: a self-touch that a motion ended in, with the posture and its two [`TouchEnd`]s: what is learned from.
+//!   A [`RecordedTouch`] has beside it the [`ExactContact`], for files and measures.
 //!
 //! Touch, posture, proximity and balance are a [`Sense`] each, listed in [`SENSES`].
 
@@ -18,6 +19,7 @@ mod firing;
 mod followed_touch;
 mod learned_map;
 mod proprioception;
+mod recorded_touch;
 mod sensation;
 mod sense;
 mod skin_contact;
@@ -32,8 +34,9 @@ pub use disturbance::{Disturbances, DisturbedSenses};
 pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};
 pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_words};
+pub use recorded_touch::{ExactContact, RecordedTouch};
 pub use sensation::{LimbSensation, Sensation, SensationSide, TouchEvent, TouchKind};
 pub use sense::{NewSense, SENSES, Sense, SensedStep, SensingBody};
 pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
-pub use touch::{Moment, Touch, TouchEnd, limb_pairs};
+pub use touch::{FeltPoint, Input, Moment, Touch, TouchEnd, limb_pairs};
 pub use touch_sensor::TouchSensor;

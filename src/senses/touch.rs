@@ -2,32 +2,64 @@
 
 use std::collections::BTreeSet;
 
-use super::SkinSpot;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
 use crate::creature::{Creature, Posture};
+use crate::named::named;
 use crate::skin::Skin;
+
+/// What a skin reports of where it was touched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Input {
+    /// The receptors that fired: the paper's skin.
+    #[default]
+    Receptor,
+    /// The points of contact as well: the skin of a recording that has them, and for comparison.
+    Contact,
+}
+
+named!(Input, "input", { Receptor => "receptor", Contact => "contact" });
+
+/// Where a skin that reports points was touched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeltPoint {
+    /// The point in the receptor's limb's frame, metres.
+    pub position: Vector3<f64>,
+    /// Standard deviation of each of its coordinates, metres. `None` if it is not given: the learner then estimates it
+    /// from how far the points miss each other.
+    pub deviation: Option<f64>,
+}
 
 /// One end of a touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchEnd {
     /// The receptor that was touched, an index into the skin.
     pub receptor: usize,
-    /// The exact point of contact in the receptor's limb's frame, metres. A skin does not report it:
-    /// only learning from `contact` input may use it.
-    pub contact: nalgebra::Vector3<f64>,
-    /// Standard deviation of each coordinate of that point, metres; none where nobody gave it: the learner
-    /// then goes by how far the points miss each other.
-    pub deviation: Option<f64>,
+    /// Where, if the skin reports points ([`Input::Contact`]).
+    pub point: Option<FeltPoint>,
 }
 
-impl From<SkinSpot> for TouchEnd {
-    fn from(spot: SkinSpot) -> TouchEnd {
-        TouchEnd { receptor: spot.receptor, contact: spot.point, deviation: None }
+impl TouchEnd {
+    /// An end of which a skin reports the receptor alone.
+    pub fn at(receptor: usize) -> TouchEnd {
+        TouchEnd { receptor, point: None }
+    }
+
+    /// `p_LR` as a skin reports it, metres: the receptor's centre, or the point if the skin reports points.
+    pub fn position(&self, input: Input, skin: &Skin) -> Vector3<f64> {
+        match (input, self.point) {
+            (Input::Contact, Some(point)) => point.position,
+            _ => skin.receptors[self.receptor].position,
+        }
     }
 }
 
 /// The pairs of limbs that touched.
-pub fn limb_pairs(skin: &Skin, touches: &[Touch]) -> BTreeSet<[usize; 2]> {
-    touches.iter().map(|touch| touch.limbs(skin)).collect()
+pub fn limb_pairs(skin: &Skin, touches: &[impl AsRef<Touch>]) -> BTreeSet<[usize; 2]> {
+    touches.iter().map(|touch| touch.as_ref().limbs(skin)).collect()
 }
 
 /// When and how hard limbs met that were moved by forces.
@@ -37,8 +69,6 @@ pub struct Moment {
     pub time: f64,
     /// The force with which the two surfaces press on each other along their normal, newtons; above zero.
     pub force: f64,
-    /// How deep the two surfaces were in each other, metres. Nothing feels it; it tells how exact the touch is.
-    pub depth: f64,
 }
 
 impl Touch {
@@ -49,17 +79,12 @@ impl Touch {
 
     /// The same touch of a creature with all lengths so many times as long.
     pub(crate) fn scaled(&self, creature: &Creature, by: f64) -> Touch {
-        let end = |end: TouchEnd| TouchEnd {
-            contact: by * end.contact,
-            deviation: end.deviation.map(|deviation| by * deviation),
-            ..end
+        let scaled = |point: FeltPoint| FeltPoint {
+            position: by * point.position,
+            deviation: point.deviation.map(|deviation| by * deviation),
         };
-        Touch {
-            posture: self.posture.scaled(creature, by),
-            ends: self.ends.map(end),
-            moment: self.moment.map(|moment| Moment { depth: by * moment.depth, ..moment }),
-            ..*self
-        }
+        let end = |end: TouchEnd| TouchEnd { point: end.point.map(scaled), ..end };
+        Touch { posture: self.posture.scaled(creature, by), ends: self.ends.map(end), ..*self }
     }
 }
 

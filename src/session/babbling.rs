@@ -13,7 +13,7 @@ use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
 use crate::learning::growth::Growth;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{
     BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, SESSION_FILE, Session, SessionOptions,
     TOUCHES_FILE, TouchWriter, model_hash, read_touches,
@@ -65,7 +65,7 @@ pub struct BabblingSession<'a> {
     /// The time that they took.
     spent: Duration,
     /// Their touches.
-    made: Vec<Touch>,
+    made: Vec<RecordedTouch>,
 }
 
 /// A session of which all touches are made.
@@ -74,7 +74,7 @@ pub struct BabbledSession {
     /// The session, with what babbling cost.
     pub session: Session,
     /// Its touches.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<RecordedTouch>,
     /// What was learned from them on the way; none where nothing was, or it is not known any more.
     pub grown: Option<Growth>,
 }

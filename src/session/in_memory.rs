@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::learning::{Learned, Learner};
 use crate::peripersonal::OwnBody;
-use crate::senses::Touch;
+use crate::senses::{Input, RecordedTouch, Touch};
 use crate::simulation::MotionName;
 
 /// The seed where none is chosen.
@@ -31,14 +31,14 @@ impl Agent {
 /// A creature that has babbled.
 pub struct Babbled {
     embodied: Embodied,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
     seed: u64,
 }
 
 /// A creature that has learned its body, with the account of what it knows.
 pub struct LearnedBody {
     embodied: Embodied,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
     learned: Learned,
 }
 
@@ -93,7 +93,7 @@ impl Embodied {
 
 impl Babbled {
     /// The touches.
-    pub fn touches(&self) -> &[Touch] {
+    pub fn touches(&self) -> &[RecordedTouch] {
         &self.touches
     }
 
@@ -118,23 +118,26 @@ impl Babbled {
         options.check(self.embodied.creature())?;
         let learned = {
             let agent = self.embodied.agent();
-            let felt = options.disturbances.disturbances().felt(agent, &self.touches, self.seed);
+            let felt =
+                options.disturbances.disturbances().felt(agent, &self.touches, options.input(), self.seed);
             let mut learner = options.learner(&felt.agent, self.seed);
             learn_from(&felt.agent, learner.as_mut(), &felt.touches)?
         };
         Ok(LearnedBody { embodied: self.embodied, touches: self.touches, learned })
     }
 
-    /// Learns by a learner of one's own, which is made for the agent.
+    /// Learns by a learner of one's own, which is made for the agent, from what a kind of skin reports of the touches.
     ///
     /// # Errors
     /// Where there is no touch to learn from.
     pub fn learn_with<'a, L: Learner + 'a>(
         &'a self,
+        input: Input,
         make: impl FnOnce(&'a Agent) -> L,
     ) -> Result<(Learned, Evaluation), Error> {
         let mut learner = make(self.embodied.agent());
-        let learned = learn_from(self.embodied.agent(), &mut learner, &self.touches)?;
+        let felt: Vec<Touch> = self.touches.iter().map(|touch| touch.felt(input)).collect();
+        let learned = learn_from(self.embodied.agent(), &mut learner, &felt)?;
         let evaluation = evaluate_learned(self.embodied.agent(), self.embodied.truth(), &learned);
         Ok((learned, evaluation))
     }
@@ -155,7 +158,7 @@ impl LearnedBody {
     }
 
     /// The touches that it was learned from.
-    pub fn touches(&self) -> &[Touch] {
+    pub fn touches(&self) -> &[RecordedTouch] {
         &self.touches
     }
 
@@ -166,7 +169,7 @@ impl LearnedBody {
 
     /// What it knows of itself when it acts.
     pub fn own_body(&self) -> OwnBody {
-        OwnBody::of(self.embodied.agent(), &self.learned, &self.touches)
+        OwnBody::of(self.embodied.agent(), &self.learned, self.touches.iter().map(|touch| &touch.posture))
     }
 
     /// Its errors: only here does the truth come in.

@@ -65,7 +65,7 @@ pub fn learn_session(
     let each = options.learner.learns_each_touch(&given);
     observer.phase(Phase::Learning { touches: touches.len(), each });
     let disturbances = options.disturbances.disturbances();
-    let felt = disturbances.felt(agent, touches, session.seed);
+    let felt = disturbances.felt(agent, touches, options.input(), session.seed);
     let mut run = LearningRun::new(folder, session, touches.len(), options, truth)?;
     // What was learned on the way was learned of a body without the disturbances.
     let grown = grown.as_ref().filter(|_| disturbances.is_none());
@@ -96,7 +96,7 @@ pub fn learn_session(
     let undisturbed_heldout_mm = truth.filter(|_| !disturbances.is_none()).map(|truth| {
         observer.phase(Phase::LearningUndisturbed);
         let mut learner = options.learner(agent, session.seed);
-        touches.iter().for_each(|touch| learner.touch(touch));
+        touches.iter().for_each(|touch| learner.touch(&touch.felt(options.input())));
         evaluate_learned(agent, truth, &learner.learn()).heldout_mm
     });
     observer.phase(Phase::Done);

@@ -271,7 +271,8 @@ mod tests {
             let scaled = agent.scaled(by);
             let mut learner = options.learner(&scaled, 1);
             let touches = babbled.touches().iter();
-            touches.for_each(|touch| learner.touch(&touch.scaled(agent.creature(), by)));
+            touches
+                .for_each(|touch| learner.touch(&touch.felt(options.input()).scaled(agent.creature(), by)));
             (LengthUnit::of(&scaled), learner.learn())
         });
         assert_eq!(large.0, LengthUnit::METRE);

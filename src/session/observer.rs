@@ -3,7 +3,7 @@
 use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::{RecordedTouch, Touch};
 
 /// Looks on while an experiment runs; every method does nothing unless it is given.
 ///
@@ -14,7 +14,7 @@ pub trait Observer {
     /// A phase begins; it lasts until the next one.
     fn phase(&self, _phase: Phase) {}
     /// A touch was made.
-    fn touched(&self, _touch: &Touch) {}
+    fn touched(&self, _touch: &RecordedTouch) {}
     /// The policy has learned from the touches so far.
     fn grew(&self, _growth: &Growth) {}
     /// A touch was taken in by the learner.
@@ -36,7 +36,7 @@ impl Observer for Observers<'_> {
         self.0.iter().for_each(|observer| observer.phase(phase));
     }
 
-    fn touched(&self, touch: &Touch) {
+    fn touched(&self, touch: &RecordedTouch) {
         self.0.iter().for_each(|observer| observer.touched(touch));
     }
 

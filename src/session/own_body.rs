@@ -27,7 +27,7 @@ pub fn own_body(folder: &Path) -> Result<(Session, OwnBody), Error> {
     }
     let record = LearningRecord::read(folder, creature)?;
     let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
-    let own = OwnBody::new(agent, schema, certainty, &log.touches);
+    let own = OwnBody::new(agent, schema, certainty, log.touches.iter().map(|touch| &touch.posture));
     Ok((session, own))
 }
 

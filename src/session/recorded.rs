@@ -7,7 +7,7 @@ use super::learning_options::LearningOptions;
 use super::observer::Observer;
 use crate::agent::Agent;
 use crate::error::Error;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{
     Host, PROGRAM, RecordingFiles, Session, SessionOptions, TouchWriter, read_creature, read_recording,
 };
@@ -27,7 +27,7 @@ pub struct RecordedSession {
     /// The session; it has no model.
     pub session: Session,
     /// Its touches.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<RecordedTouch>,
 }
 
 impl RecordedSession {

@@ -9,7 +9,7 @@ use super::stamp::Stamp;
 use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::plausible::{GREATEST_LENGTH, is_angle, is_deviation, is_length, place_fault};
-use crate::senses::{Moment, Touch};
+use crate::senses::RecordedTouch;
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
 /// Times, forces and depths at the most, seconds, newtons and metres: thirty years, and the weight of an oil tanker.
@@ -81,7 +81,7 @@ pub(super) fn limb_name(agent: &Agent, receptor: usize) -> Result<&str, String> 
 ///
 /// # Errors
 /// A sentence that names what is wrong and its mend.
-pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), String> {
+pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> {
     let creature = agent.creature();
     if touch.posture.len() != creature.coordinates() {
         return Err(format!(
@@ -140,19 +140,21 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), String> {
         )
         .into());
     }
-    for (end, receptor) in touch.ends.iter().zip([a, b]) {
-        if !end.contact.iter().all(|x| x.is_finite()) {
+    let contact = touch.exact_contact();
+    for (k, receptor) in [a, b].into_iter().enumerate() {
+        let point = contact.points[k];
+        if !point.iter().all(|x| x.is_finite()) {
             return Err(format!(
                 "the contact at \"{}\" is not three finite numbers: give them, or leave the touch out",
                 receptor.id
             )
             .into());
         }
-        if let Some(fault) = place_fault(&end.contact) {
+        if let Some(fault) = place_fault(&point) {
             return Err(format!("the contact at \"{}\" {fault}, or leave the touch out", receptor.id).into());
         }
         let reach = receptor.position.norm() + receptor.half_extents.iter().sum::<f64>();
-        let away = (end.contact - receptor.position).norm();
+        let away = (point - receptor.position).norm();
         if away > FAR * (reach + LEAST_REACH) {
             return Err(format!(
                 "the contact at \"{}\" is {away:.3} m from it: give metres in the limb's frame, or leave the touch out",
@@ -160,7 +162,7 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), String> {
             )
             .into());
         }
-        if let Some(wrong) = end.deviation.filter(|std| !(is_deviation(*std) && std.is_finite())) {
+        if let Some(wrong) = contact.deviations[k].filter(|std| !(is_deviation(*std) && std.is_finite())) {
             return Err(format!(
                 "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
                  the most, or null",
@@ -169,8 +171,9 @@ pub(super) fn check(touch: &Touch, agent: &Agent) -> Result<(), String> {
             .into());
         }
     }
-    if let Some(Moment { time, force, depth }) = touch.moment {
-        for (what, wrong) in [("time", time), ("force", force), ("depth", depth)] {
+    if let Some(moment) = touch.moment {
+        let depth = contact.depth.unwrap_or(f64::NAN);
+        for (what, wrong) in [("time", moment.time), ("force", moment.force), ("depth", depth)] {
             if !(0.0..=GREATEST_MOMENT).contains(&wrong) {
                 return Err(format!(
                     "its {what} is {wrong}: give a number from 0 to {GREATEST_MOMENT}, or none of time, force and depth"

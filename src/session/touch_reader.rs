@@ -11,7 +11,7 @@ use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::error::Error;
-use crate::senses::{Moment, Touch, TouchEnd};
+use crate::senses::{ExactContact, Moment, RecordedTouch, Touch, TouchEnd};
 
 /// How far a receptor's position in a log may be from the skin's, metres.
 const SAME_POSITION: f64 = 1e-9;
@@ -20,7 +20,7 @@ const SAME_POSITION: f64 = 1e-9;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TouchLog {
     /// The touches, in the log's order.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<RecordedTouch>,
     /// The last line's number where it is incomplete, as a killed process leaves it; it is left out.
     pub truncated: Option<usize>,
     /// Zero bytes at its end, as a file system leaves them where the power failed; they are left out as well.
@@ -54,10 +54,10 @@ pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, Error> {
 }
 
 /// By what a touch is known again: no two motions give the same numbers.
-fn print(touch: &Touch) -> u64 {
+fn print(touch: &RecordedTouch) -> u64 {
     let mut hasher = DefaultHasher::new();
     (touch.bout, touch.motion).hash(&mut hasher);
-    let contacts = touch.ends.iter().flat_map(|end| end.contact.iter());
+    let contacts = touch.exact_contact().points.iter().flatten();
     touch.posture.iter().chain(contacts).for_each(|x| x.to_bits().hash(&mut hasher));
     touch.ends.iter().for_each(|end| end.receptor.hash(&mut hasher));
     hasher.finish()
@@ -95,7 +95,7 @@ impl TouchHeader {
 }
 
 /// The touch that a line tells of.
-fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> Result<Touch, String> {
+fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> Result<RecordedTouch, String> {
     let skin = agent.skin();
     let end = |k: usize| -> Result<TouchEnd, String> {
         let id = &found.receptors[k];
@@ -119,20 +119,22 @@ fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> R
             )
             .into());
         }
-        Ok(TouchEnd {
-            receptor,
-            contact: vector(&found.contacts[k]),
-            deviation: found.deviations.and_then(|of| of[k]),
-        })
+        Ok(TouchEnd::at(receptor))
     };
     let ends = [end(0)?, end(1)?];
     let posture = found.posture.iter().map(|x| x.unwrap_or(f64::NAN)).collect();
     let moment = match (found.time, found.force, found.depth) {
         (None, None, None) => None,
-        (Some(time), Some(force), Some(depth)) => Some(Moment { time, force, depth }),
+        (Some(time), Some(force), Some(_)) => Some(Moment { time, force }),
         _ => return Err("it has some of time, force and depth: give all three or none".into()),
     };
+    let contact = ExactContact {
+        points: found.contacts.map(|point| vector(&point)),
+        deviations: found.deviations.unwrap_or_default(),
+        depth: found.depth,
+    };
     let touch = Touch { bout: found.bout, motion: found.motion, posture, ends, moment };
+    let touch = RecordedTouch::new(touch, contact);
     check(&touch, agent)?;
     Ok(touch)
 }

@@ -9,7 +9,7 @@ use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
 use super::{TOUCHES_FILE, files};
 use crate::agent::Agent;
 use crate::error::Error;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 
 /// Writes [`TOUCHES_FILE`], a line a touch.
 ///
@@ -129,12 +129,13 @@ impl<'a> TouchWriter<'a> {
     /// If writing fails, and for a touch that could not be
     /// read again: of another creature or skin, or with numbers that are not finite; and for one that is not
     /// what an interrupted writer left here. Such a touch is not written.
-    pub fn write(&mut self, touch: &Touch) -> Result<(), Error> {
+    pub fn write(&mut self, touch: &RecordedTouch) -> Result<(), Error> {
         let refuse = |message| Error::content(&self.path, Some(self.lines + 1), message);
         check(touch, self.agent).map_err(refuse)?;
         let limb = |k: usize| limb_name(self.agent, touch.ends[k].receptor).map_err(refuse);
         let limbs = [limb(0)?, limb(1)?];
         let receptors = touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        let contact = touch.exact_contact();
         self.write_line(&TouchLine {
             bout: touch.bout,
             motion: touch.motion,
@@ -142,12 +143,11 @@ impl<'a> TouchWriter<'a> {
             receptors: receptors.map(|receptor| receptor.id.as_str()),
             limbs,
             positions: receptors.map(|receptor| <[f64; 3]>::from(receptor.position)),
-            contacts: touch.ends.map(|end| <[f64; 3]>::from(end.contact)),
-            deviations: Some(touch.ends.map(|end| end.deviation))
-                .filter(|deviations| deviations.iter().any(Option::is_some)),
+            contacts: contact.points.map(<[f64; 3]>::from),
+            deviations: Some(contact.deviations).filter(|deviations| deviations.iter().any(Option::is_some)),
             time: touch.moment.map(|moment| moment.time),
             force: touch.moment.map(|moment| moment.force),
-            depth: touch.moment.map(|moment| moment.depth),
+            depth: contact.depth.filter(|_| touch.moment.is_some()),
         })
     }
 

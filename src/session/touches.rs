@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::error::Error;
 use crate::learning::growth::Growth;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::simulation::Effort;
 
 /// Babbles and hands on every touch, from where the bouts in `from` end; errors name the file of the `model`.
@@ -33,7 +33,7 @@ pub fn all_touches(
     babbler: &Babbler,
     policy: PolicyName,
     options: &BabblingOptions,
-) -> Result<(Vec<Touch>, Option<Growth>), Error> {
+) -> Result<(Vec<RecordedTouch>, Option<Growth>), Error> {
     let mut touches = Vec::new();
     let (_, grown) = make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
         if let Made::Touch(touch) = made {

@@ -27,7 +27,7 @@ pub use advancement::ConservativeAdvancement;
 pub use agent_handle::AgentHandle;
 pub use dynamic::DynamicMover;
 pub use event::{aura_event_json, event_json};
-pub use motion::{DEEPEST, Effort, Ending, MotionName, MotionUntilTouch, Mover};
+pub use motion::{DEEPEST, Effort, Ending, Met, MotionName, MotionUntilTouch, Mover};
 pub use movers::Movers;
 pub use path::ProbePath;
 pub use probe::{PROBE_RADIUS, STIFFNESS};

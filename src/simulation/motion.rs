@@ -7,7 +7,9 @@ use crate::creature::{Body, Posture};
 use crate::error::Result;
 use crate::mujoco::{Contact, Data};
 use crate::named::named;
-use crate::senses::{ContactReader, Moment, Proprioception, Reading, Touch, TouchEnd};
+use crate::senses::{
+    ContactReader, ExactContact, Moment, Proprioception, Reading, RecordedTouch, SkinSpot, Touch, TouchEnd,
+};
 use crate::simulation::advancement::{ConservativeAdvancement, SLIDING};
 use crate::simulation::touchable::Encounter;
 use crate::skin::Skin;
@@ -33,11 +35,33 @@ const BEYOND: f64 = 1e-3;
 /// metres.
 const PARTING: f64 = 1e-4;
 
+/// Skin that met skin: two receptors, and the exact contact, which only a record of the touch takes in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    receptors: [usize; 2],
+    contact: ExactContact,
+}
+
+impl Met {
+    /// Two places on the skin that met, so deep in each other where forces were at work, metres.
+    pub(super) fn new(spots: [SkinSpot; 2], depth: Option<f64>) -> Met {
+        Met {
+            receptors: spots.map(|spot| spot.receptor),
+            contact: ExactContact { depth, ..ExactContact::of(spots) },
+        }
+    }
+
+    /// How deep they are in each other, metres.
+    pub(super) fn depth(&self) -> Option<f64> {
+        self.contact.depth
+    }
+}
+
 /// How a motion ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
     /// Skin met skin.
-    Touch([TouchEnd; 2]),
+    Touch(Met),
     /// Limbs met where at least one has no skin.
     Bare,
     /// It met at once what the last motion had met: nothing new was felt.
@@ -120,13 +144,14 @@ pub trait MotionUntilTouch {
     /// What the motions of the bout cost so far.
     fn effort(&self) -> Effort;
 
-    /// The touch that the last motion ended in, as it is felt.
+    /// The touch that the last motion ended in.
     ///
     /// # Errors
     /// Where the engine fails.
-    fn touch(&mut self, bout: u64, ends: [TouchEnd; 2]) -> Result<Touch> {
+    fn touch(&mut self, bout: u64, met: Met) -> Result<RecordedTouch> {
         let (motion, posture) = (self.effort().motions, self.felt_posture()?);
-        Ok(Touch { bout, motion, posture, ends, moment: self.moment() })
+        let ends = met.receptors.map(TouchEnd::at);
+        Ok(RecordedTouch::new(Touch { bout, motion, posture, ends, moment: self.moment() }, met.contact))
     }
 }
 
@@ -359,7 +384,7 @@ impl<'a> Mover<'a> {
         self.data.set_qpos(&self.qpos)?;
         self.data.kinematics()?;
         Ok(match self.reader.read(self.body, self.skin, &self.data, &contact) {
-            Reading::Touch(spots) => Ending::Touch(spots.map(TouchEnd::from)),
+            Reading::Touch(spots) => Ending::Touch(Met::new(spots, None)),
             _ => {
                 self.effort.bare += 1;
                 Ending::Bare

@@ -20,7 +20,7 @@ use crate::learning::growth::Growth;
 use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
 use crate::learning::{Input, Learned, LengthUnit, Verdict, Z95};
 use crate::mujoco::Model;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::touches::all_touches;
 use crate::session::{Embodied, LearningOptions, ModelSource};
 use crate::simulation::MotionName;
@@ -119,7 +119,7 @@ impl From<Error> for Failed {
 /// A body that babbled.
 struct Babbled {
     policy: PolicyName,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
     grown: Option<Growth>,
     work: Tally,
 }

@@ -19,7 +19,7 @@ use crate::kinematics::limb_frames;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::{Hersch, Input, Learner, STEP};
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 
 pub(super) const STUDY: Study = Study {
     name: "hersch",
@@ -172,7 +172,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             .with_double_use(double_use)
             .with_tolerance(tolerance);
         match seen.iter().find(|(kind, _)| *kind == given) {
-            None => touches.iter().for_each(|touch| learner.touch(touch)),
+            None => touches.iter().for_each(|touch| learner.touch(&touch.felt(input))),
             Some((_, seen)) => {
                 seen.iter().for_each(|one| learner.observe_points(one.posture, one.limbs, one.points));
             }
@@ -198,7 +198,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
 
 /// At each touch's posture, the centre of a random receptor of one limb in its own frame and in that of another: of the limbs
 /// that touch, or of any two.
-fn sightings<'a>(any: bool, subject: &Subject, touches: &'a [Touch], seed: u64) -> Vec<Sighting<'a>> {
+fn sightings<'a>(any: bool, subject: &Subject, touches: &'a [RecordedTouch], seed: u64) -> Vec<Sighting<'a>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(VISION_STREAM);
     let agent = subject.agent();
@@ -207,7 +207,7 @@ fn sightings<'a>(any: bool, subject: &Subject, touches: &'a [Touch], seed: u64) 
     receptors.iter().for_each(|receptor| on_limb[receptor.limb].push(receptor.position));
     // Two at least if there are touches.
     let limbs: Vec<usize> = (0..on_limb.len()).filter(|&limb| !on_limb[limb].is_empty()).collect();
-    let seen = |touch: &'a Touch| {
+    let seen = |touch: &'a RecordedTouch| {
         let touching = touch.ends.map(|end| receptors[end.receptor].limb);
         let of = if any { &limbs[..] } else { &touching };
         let from = rng.random_range(0..of.len());

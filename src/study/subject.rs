@@ -11,7 +11,7 @@ use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::peripersonal::{CollisionChecker, OwnBody};
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::touches::all_touches;
 use crate::session::{Embodied, LearningOptions, own_body};
 use crate::simulation::{MotionName, Stage, StageOptions, Thing};
@@ -70,7 +70,7 @@ impl Subject {
             None => {
                 let touches = self.babble(touches, seed)?;
                 let run = self.learn(&LearningOptions::default(), &touches, seed);
-                OwnBody::of(self.agent(), &run.learned, &touches)
+                OwnBody::of(self.agent(), &run.learned, touches.iter().map(|touch| &touch.posture))
             }
             Some(folder) => {
                 let (session, own) = own_body(folder)?;
@@ -144,15 +144,20 @@ impl Subject {
     }
 
     /// Exact touches at random, on one thread: trials share the others.
-    pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<Touch>, Error> {
+    pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<RecordedTouch>, Error> {
         let babbler = self.embodied.babbler(MotionName::default())?;
         let options = BabblingOptions { touches, seed, jobs: 1 };
         Ok(all_touches(self.model(), &babbler, PolicyName::Random, &options)?.0)
     }
 
     /// Learns from touches, disturbed as the options say, and measures against the truth.
-    pub(super) fn learn(&self, options: &LearningOptions, touches: &[Touch], seed: u64) -> LearnerRun {
-        let felt = options.disturbances.disturbances().felt(self.agent(), touches, seed);
+    pub(super) fn learn(
+        &self,
+        options: &LearningOptions,
+        touches: &[RecordedTouch],
+        seed: u64,
+    ) -> LearnerRun {
+        let felt = options.disturbances.disturbances().felt(self.agent(), touches, options.input(), seed);
         let mut learner = options.learner(&felt.agent, seed);
         let (learned, done) = apart(|| {
             felt.touches.iter().for_each(|touch| learner.touch(touch));

@@ -12,7 +12,7 @@ use bodyschema::learning::{
     Certainty, Hersch, Input, Learned, Learner, LimbFrames, RelaxedGradient, SecondOrder, Verdict, Z95,
 };
 use bodyschema::peripersonal::{Doubt, OwnBody};
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::session::{LEARNED_RECORD_FILE, LearningRecord, RecordedAccount, own_body};
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -23,8 +23,8 @@ fn arms() -> String {
     two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#)
 }
 
-fn learned(mut learner: impl Learner, touches: &[Touch]) -> Learned {
-    touches.iter().for_each(|touch| learner.touch(touch));
+fn learned(mut learner: impl Learner, input: Input, touches: &[RecordedTouch]) -> Learned {
+    touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
     learner.learn()
 }
 
@@ -42,13 +42,17 @@ fn a_schema_that_was_never_put_to_the_test_is_not_trusted() {
     let touches = babble(&body, &agent, 300, 2, 2);
     let initial_guess = || random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
     for unjudged in [
-        learned(Hersch::new(&agent, Input::Receptor, initial_guess()), &touches),
-        learned(RelaxedGradient::new(&agent, Input::Receptor, initial_guess(), 1).with_steps(100), &touches),
+        learned(Hersch::new(&agent, Input::Receptor, initial_guess()), Input::Receptor, &touches),
+        learned(
+            RelaxedGradient::new(&agent, Input::Receptor, initial_guess(), 1).with_steps(100),
+            Input::Receptor,
+            &touches,
+        ),
         // One that has a test, and fails it.
-        learned(SecondOrder::new(&agent, Input::Receptor, 1), &touches[..20]),
+        learned(SecondOrder::new(&agent, Input::Receptor, 1), Input::Receptor, &touches[..20]),
     ] {
         assert!(matches!(unjudged.certainty(), Certainty::Unknown), "{:?}", unjudged.verdict);
-        let own = OwnBody::of(&agent, &unjudged, &touches);
+        let own = OwnBody::of(&agent, &unjudged, touches.iter().map(|touch| &touch.posture));
         let doubt = doubt(&own, ["left_hand", "head"]).expect("nobody put it to the test");
         assert_eq!(doubt, Doubt::Unknown);
         assert!(!doubt.to_string().contains("mm"), "{doubt}");
@@ -69,7 +73,7 @@ fn a_session_opened_again_is_as_sure_as_its_learner_was() {
     ] {
         let agent = Agent::of(body).unwrap();
         let touches = babble(body, &agent, touches, 1, 2);
-        let learned = learned(SecondOrder::new(&agent, input, 1).with_frames(frames), &touches);
+        let learned = learned(SecondOrder::new(&agent, input, 1).with_frames(frames), input, &touches);
         assert!(learned.verdict.converged(), "{input:?} {frames:?}: {:?}", learned.verdict);
         let record = LearningRecord {
             converged: true,
@@ -81,8 +85,14 @@ fn a_session_opened_again_is_as_sure_as_its_learner_was() {
         let recorded = read.account.as_ref().unwrap();
         assert_eq!((recorded.basis, recorded.deviation), (learned.basis, learned.deviation));
         let certainties = [learned.certainty(), read.certainty()];
-        let [before, after] =
-            certainties.map(|certainty| OwnBody::new(&agent, learned.schema.clone(), certainty, &touches));
+        let [before, after] = certainties.map(|certainty| {
+            OwnBody::new(
+                &agent,
+                learned.schema.clone(),
+                certainty,
+                touches.iter().map(|touch| &touch.posture),
+            )
+        });
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for _ in 0..20 {
             let posture = Posture::random(agent.creature(), &mut rng);
@@ -155,7 +165,7 @@ fn distances_are_those_of_the_points_that_are_known_worst() {
     let touches = babble(&body, &agent, 400, 3, 2);
     for (input, frames) in [(Input::Receptor, LimbFrames::Joint), (Input::Contact, LimbFrames::Limb)] {
         let mut learner = SecondOrder::new(&agent, input, 1).with_frames(frames);
-        touches.iter().for_each(|touch| learner.touch(touch));
+        touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
         let (account, _) = learner.account(&truth.schema);
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let (mut bounded, mut open) = (0, 0);
@@ -201,7 +211,7 @@ fn a_learner_that_places_nothing_says_that_it_has_not_learned() {
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, 60, 1, 2);
     let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
-    touches[..3].iter().for_each(|touch| learner.touch(touch));
+    touches[..3].iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
     let (account, _) = learner.account(&GroundTruth::new(&body).unwrap().schema);
     assert!(!account.claims_any(), "{:?}", account.classes());
     assert!(matches!(account.verdict(agent.creature()), Verdict::Failed(_)));

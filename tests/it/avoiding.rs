@@ -18,7 +18,8 @@ fn beside_a_ball() -> (Stage, Actor, usize) {
     let body = max("torso");
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, 300, 1, 2);
-    let own = OwnBody::new(&agent, truth(&body), Certainty::Exact, &touches);
+    let own =
+        OwnBody::new(&agent, truth(&body), Certainty::Exact, touches.iter().map(|touch| &touch.posture));
     let ball = Thing {
         name: "ball".into(),
         shape: Shape::Sphere { radius: RADIUS },

@@ -9,7 +9,7 @@ use bodyschema::agent::Agent;
 use bodyschema::babbling::Babbler;
 use bodyschema::creature::{Body, DofKind, JointSelection, Posture};
 use bodyschema::mujoco::{Contact, Data, Model};
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::session::TouchWriter;
 use bodyschema::simulation::{DEEPEST, Ending, MotionName, MotionUntilTouch, Movers, SelfContact};
 use bodyschema::skin::{GrowOptions, Skin, grow};
@@ -178,7 +178,13 @@ fn assert_within_ranges(name: &str, body: &Body, posture: &[f64]) {
 
 /// Checks every touch of a creature against the engine: where it finds shapes step by step it may find the contact only a little
 /// `onward` of the touch's posture, in one of the postures given for each touch.
-fn assert_confirmed(name: &str, body: &Body, skin: &Skin, touches: &[Touch], onward: &[Vec<Vec<f64>>]) {
+fn assert_confirmed(
+    name: &str,
+    body: &Body,
+    skin: &Skin,
+    touches: &[RecordedTouch],
+    onward: &[Vec<Vec<f64>>],
+) {
     let mut judge = Judge::new(body);
     for (i, touch) in touches.iter().enumerate() {
         let at = format!("{name}, touch {i}");
@@ -203,9 +209,9 @@ fn assert_confirmed(name: &str, body: &Body, skin: &Skin, touches: &[Touch], onw
         assert!(confirmed, "{at}: the engine finds no contact of {limbs:?}");
         take(body, &mut judge.data, &touch.posture);
         let in_world = [0, 1].map(|k| {
-            let (end, receptor) = (touch.ends[k], receptors[k]);
-            assert!(receptor.holds(&end.contact), "{at}: {} does not hold the point", receptor.id);
-            body.limb_pose(&judge.data, limbs[k]).unwrap() * Point3::from(end.contact)
+            let (point, receptor) = (touch.exact_contact().points[k], receptors[k]);
+            assert!(receptor.holds(&point), "{at}: {} does not hold the point", receptor.id);
+            body.limb_pose(&judge.data, limbs[k]).unwrap() * Point3::from(point)
         });
         let apart = (in_world[0] - in_world[1]).norm();
         assert!(apart < SAME_PLACE, "{at}: the ends are {apart} m apart");
@@ -233,10 +239,12 @@ fn touches_of_other_shapes_are_confirmed_alike() {
         // A whole bout would take long where motions feel their way in steps.
         for motion in 0..300 {
             let target = Posture::random(&body.creature, &mut rng);
-            if let Ending::Touch(ends) = mover.advance(&target).unwrap() {
+            if let Ending::Touch(met) = mover.advance(&target).unwrap() {
                 let stop = mover.posture().to_vec();
                 onward.push(ONWARD.map(|t| between(&body, &stop, &target, t)).to_vec());
-                touches.push(Touch { bout: 0, motion, posture: stop.into(), ends, moment: None });
+                let mut touch = mover.touch(0, met).unwrap();
+                (touch.motion, touch.posture) = (motion, stop.into());
+                touches.push(touch);
             }
         }
         assert!(touches.len() > 3, "{name}: {} touches prove nothing", touches.len());

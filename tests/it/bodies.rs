@@ -120,7 +120,7 @@ fn who_has_no_time_is_told_so() {
         learner.end_at(Deadline::after(Instant::now(), Duration::ZERO));
         learner
     };
-    match babbled.learn_with(learner).unwrap().0.verdict {
+    match babbled.learn_with(Input::Contact, learner).unwrap().0.verdict {
         Verdict::Failed(why) => assert!(why.contains("time was over") && why.contains("--seconds"), "{why}"),
         other => panic!("{other:?}"),
     }

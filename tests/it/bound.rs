@@ -7,7 +7,7 @@ use bodyschema::evaluation::coverage::{NormalizedErrors, covered, true_gap, with
 use bodyschema::evaluation::{CramerRaoBound, held_out, held_out_points};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, KnownJoint, Learner, PriorKnowledge, SecondOrder, Verdict};
-use bodyschema::senses::Touch;
+use bodyschema::senses::{RecordedTouch, Touch};
 use nalgebra::{DVector, Vector3};
 
 /// Standard deviation of the gaps, metres.
@@ -20,7 +20,7 @@ const RATIO: f64 = 1.10;
 struct Subject {
     agent: Agent,
     truth: GroundTruth,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
 }
 
 impl Subject {
@@ -31,7 +31,12 @@ impl Subject {
         Subject { agent, truth, touches }
     }
 
-    fn learner(&self, touches: &[Touch], input: Input) -> SecondOrder {
+    fn learner(&self, input: Input) -> SecondOrder {
+        let felt: Vec<Touch> = self.touches.iter().map(|touch| touch.felt(input)).collect();
+        self.learner_of(&felt, input)
+    }
+
+    fn learner_of(&self, touches: &[Touch], input: Input) -> SecondOrder {
         let mut learner = SecondOrder::new(&self.agent, input, 1);
         touches.iter().for_each(|touch| learner.touch(touch));
         learner
@@ -88,7 +93,7 @@ fn the_rank_of_a_serial_chain_is_what_theory_says_and_its_null_space_is_named() 
     for hinges in 2..=5 {
         let subject = Subject::new(&creature(&serial_chain(hinges)), 60 * hinges, 1);
         let schema = &subject.truth.schema;
-        let (found, _) = subject.learner(&subject.touches, Input::Contact).observe(schema);
+        let (found, _) = subject.learner(Input::Contact).observe(schema);
         assert_eq!(found.parameters.len(), 5 * hinges);
         assert_eq!(found.rank, 4 * hinges + 1, "{hinges} hinges: {:?}", found.singular_values);
         assert_eq!(found.null_space.ncols(), hinges - 1);
@@ -128,7 +133,7 @@ fn a_hinge_that_is_known_takes_its_slide_out_of_the_null_space() {
         axes: vec![(1, schema.axes[1], 0.0)],
     };
     let known = PriorKnowledge::nothing(&subject.agent).with(&[exact]);
-    let learner = subject.learner(&subject.touches, Input::Contact).with_known(known);
+    let learner = subject.learner(Input::Contact).with_known(known);
     let (found, _) = learner.observe(schema);
     assert_eq!((found.parameters.len(), found.rank), (10, 10), "{:?}", found.singular_values);
     let std = found.schema_std(subject.agent.creature());
@@ -164,7 +169,7 @@ fn judge(name: &str, subject: &Subject, seeds: u64) {
     let mut all = NormalizedErrors::default();
     let (mut errors, mut bounds, mut noise) = (0.0, 0.0, 0.0);
     for seed in 1..=seeds {
-        let learned = subject.learner(&subject.noisy(seed), Input::Receptor).refine(&subject.truth.schema);
+        let learned = subject.learner_of(&subject.noisy(seed), Input::Receptor).refine(&subject.truth.schema);
         assert!(matches!(learned.verdict, Verdict::Unjudged(_)));
         let schema = &learned.schema;
         let account = learned.account.as_ref().unwrap();

@@ -8,9 +8,12 @@ use crate::common::repository;
 /// Modules of the agent: they get an `Agent` and a handle of the simulation. What those offer is in their types; that
 /// nothing else is reached for is said here.
 const AGENT: [&str; 5] = ["learning", "schema", "babbling", "peripersonal", "interaction"];
-/// What would let the truth in: by its name, by way of the model, of the side of the simulation that looks on, or of the
-/// measures.
-const NOT_THE_AGENTS: [&str; 10] = [
+/// What would let the truth in: by its name, by way of the model, of the exact contact beside a touch, of the side of the
+/// simulation that looks on, or of the measures.
+const NOT_THE_AGENTS: [&str; 13] = [
+    "ExactContact",
+    "exact_contact",
+    "exact_contact_mut",
     "ground_truth",
     "GroundTruth",
     "mujoco",
@@ -136,6 +139,20 @@ fn no_module_of_the_agent_reaches_for_more_than_it_is_given() {
         for file in files {
             let found = names(&file, &NOT_THE_AGENTS);
             assert!(found.is_empty(), "{} names {found:?}", file.display());
+        }
+    }
+}
+
+#[test]
+fn a_touch_has_receptors_and_nothing_of_the_engines_contact() {
+    let file = repository("src/senses/touch.rs");
+    assert!(!names(&file, &["Touch"]).is_empty(), "the touch has gone: amend this test");
+    let found = names(&file, &["contact", "depth", "distance", "ExactContact", "SkinSpot", "mujoco"]);
+    assert!(found.is_empty(), "{} names {found:?}", file.display());
+    // Babbling hands records on; none of the others gets one.
+    for name in AGENT.into_iter().filter(|name| *name != "babbling") {
+        for file in module(name) {
+            assert!(names(&file, &["RecordedTouch"]).is_empty(), "{} gets records", file.display());
         }
     }
 }

@@ -10,7 +10,7 @@ use bodyschema::evaluation::evaluate_learned;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, Learner, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
-use bodyschema::senses::{ContactReader, Reading, Touch};
+use bodyschema::senses::{ContactReader, Reading, RecordedTouch};
 use bodyschema::session::{TOUCHES_FILE, TouchWriter, read_touches};
 use bodyschema::simulation::{Ending, MotionName, MotionUntilTouch, Movers};
 use bodyschema::skin::{GrowOptions, grow};
@@ -47,10 +47,10 @@ fn dynamic<'a>(body: &'a Body, agent: &'a Agent) -> Babbler<'a> {
     Babbler::new(Movers::new(body, agent, MotionName::Dynamic).unwrap())
 }
 
-fn touches(babbler: &Babbler, touches: usize, seed: u64, jobs: usize) -> Vec<Touch> {
+fn touches(babbler: &Babbler, touches: usize, seed: u64, jobs: usize) -> Vec<RecordedTouch> {
     let mut made = Vec::new();
     let options = BabblingOptions { touches, seed, jobs };
-    let receive = |touch: &Touch| {
+    let receive = |touch: &RecordedTouch| {
         made.push(touch.clone());
         Ok(())
     };
@@ -107,8 +107,8 @@ fn receptors_fire_where_limbs_press_in_the_posture_of_the_touch() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut made = Vec::new();
     while made.len() < 5 {
-        if let Ending::Touch(ends) = mover.advance(&Posture::random(&body.creature, &mut rng)).unwrap() {
-            made.push(mover.touch(0, ends).unwrap());
+        if let Ending::Touch(met) = mover.advance(&Posture::random(&body.creature, &mut rng)).unwrap() {
+            made.push(mover.touch(0, met).unwrap());
         }
     }
     let mut last = 0.0;
@@ -122,7 +122,7 @@ fn receptors_fire_where_limbs_press_in_the_posture_of_the_touch() {
             Reading::Touch(spots) => {
                 let same = |k: usize| {
                     spots[k].receptor == touch.ends[k].receptor
-                        && (spots[k].point - touch.ends[k].contact).norm() < SAME_PLACE
+                        && (spots[k].point - touch.exact_contact().points[k]).norm() < SAME_PLACE
                 };
                 same(0) && same(1)
             }
@@ -131,7 +131,8 @@ fn receptors_fire_where_limbs_press_in_the_posture_of_the_touch() {
         let found = data.contacts().find(|contact| reads(contact));
         let depth = -found.unwrap_or_else(|| panic!("touch {i} is no contact of its posture")).distance;
         assert!((0.0..DEPTH).contains(&depth), "touch {i}: {depth} m deep");
-        assert!((depth - moment.depth).abs() < SAME_PLACE, "touch {i}: {depth} m, not {} m", moment.depth);
+        let recorded = touch.exact_contact().depth.unwrap();
+        assert!((depth - recorded).abs() < SAME_PLACE, "touch {i}: {depth} m, not {recorded} m");
         let limbs = touch.ends.map(|end| agent.skin().receptors[end.receptor].limb);
         assert!(!body.creature.neighbouring(limbs[0], limbs[1]), "touch {i}: {limbs:?}");
     }
@@ -183,7 +184,7 @@ fn a_log_of_touches_with_physics_reads_back_bit_for_bit() {
     let (body, agent) = zoo("contraption");
     let mut made = touches(&dynamic(&body, &agent), 20, 5, 2);
     // A log may hold touches of both kinds.
-    made[3].moment = None;
+    (made[3].moment, made[3].exact_contact_mut().depth) = (None, None);
     let folder = tempfile::tempdir().unwrap();
     let mut writer = TouchWriter::create(folder.path(), &agent).unwrap();
     made.iter().for_each(|touch| writer.write(touch).unwrap());
@@ -211,7 +212,7 @@ fn a_schema_learned_from_touches_with_physics_is_as_good_as_they_are_deep() {
     // One joint more rests on a single touch, which might be false for all that others tell: it is not claimed.
     for (input, least, bound_mm) in [(Input::Contact, 7, EXACT_MM), (Input::Receptor, 4, HELD_OUT_MM)] {
         let mut learner = SecondOrder::new(&agent, input, 1);
-        made.iter().for_each(|touch| learner.touch(touch));
+        made.iter().for_each(|touch| learner.touch(&touch.felt(input)));
         let learned = learner.learn();
         let known = body.creature.joints().len() - learned.undetermined().len();
         assert!(known >= least, "{input:?}: {known} joints, {:?}", learned.verdict);

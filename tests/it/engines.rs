@@ -10,7 +10,7 @@ use bodyschema::agent::Agent;
 use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::mujoco::{GeomKind, Model};
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::{MotionName, Movers};
 use bodyschema::skin::{GrowOptions, grow};
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ fn touches(creature: &str) -> Vec<Written> {
     };
     let babbler = Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).unwrap());
     let mut made = Vec::new();
-    let write = |touch: &Touch| {
+    let write = |touch: &RecordedTouch| {
         let mut shapes = touch.ends.map(|end| format!("{:?}", shape(end.receptor)).to_lowercase());
         shapes.sort();
         made.push(Written {
@@ -81,7 +81,7 @@ fn touches(creature: &str) -> Vec<Written> {
             motion: touch.motion,
             posture: touch.posture.to_vec(),
             shapes,
-            contacts: touch.ends.map(|end| end.contact.into()),
+            contacts: touch.exact_contact().points.map(Into::into),
             limbs: touch.ends.map(|end| skin.receptors[end.receptor].limb),
         });
         Ok(())

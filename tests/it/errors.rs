@@ -44,7 +44,8 @@ fn an_error_is_of_the_kind_of_its_cause_and_of_no_other() {
     let lock = FolderLock::take(folder.path()).unwrap();
     let max = Agent::from_mjcf(repository("mjcf/max/max.xml")).unwrap();
     let agent = max.agent().clone();
-    let untouched = max.babble(0).unwrap().learn_with(|agent| SecondOrder::new(agent, Input::Contact, 1));
+    let untouched =
+        max.babble(0).unwrap().learn_with(Input::Contact, |agent| SecondOrder::new(agent, Input::Contact, 1));
     let mut data = Data::new(Arc::new(Model::from_xml("<mujoco/>").unwrap())).unwrap();
     let cases: [(&str, Error, &str, &str); 11] = [
         ("no model", Agent::from_mjcf("no/such.xml").err().unwrap(), "model", "no/such.xml: "),

@@ -16,7 +16,7 @@ use bodyschema::kinematics::{Chain, ChainSide, SideJacobian, limb_frames};
 use bodyschema::learning::{Account, Input, Learned, Learner, LimbFrames, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::schema::{BodySchema, nearest_rotation};
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::session::{read_schema, write_schema};
 use bodyschema::skin::{Skin, skin_of};
 use nalgebra::{DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -75,10 +75,13 @@ impl OwnFrames {
     }
 
     /// Touches of a skin in these frames.
-    fn touches(&self, skin: &Skin, touches: &[Touch]) -> Vec<Touch> {
+    fn touches(&self, skin: &Skin, touches: &[RecordedTouch]) -> Vec<RecordedTouch> {
         let mut touches = touches.to_vec();
-        for end in touches.iter_mut().flat_map(|touch| &mut touch.ends) {
-            end.contact = self.0[skin.receptors[end.receptor].limb].inverse_point(&end.contact);
+        for touch in &mut touches {
+            let limbs = touch.limbs(skin);
+            for (point, limb) in touch.exact_contact_mut().points.iter_mut().zip(limbs) {
+                *point = self.0[limb].inverse_point(point);
+            }
         }
         touches
     }
@@ -97,7 +100,7 @@ impl OwnFrames {
 struct Pupil {
     agent: Agent,
     truth: GroundTruth,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
 }
 
 fn arms() -> Body {
@@ -116,13 +119,13 @@ impl Pupil {
         }
     }
 
-    fn limbs_of(&self, touch: &Touch) -> [usize; 2] {
+    fn limbs_of(&self, touch: &RecordedTouch) -> [usize; 2] {
         touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb)
     }
 
     fn learn(&self, seed: u64) -> Learned {
         let mut learner = SecondOrder::new(&self.agent, Input::Contact, seed).with_frames(LimbFrames::Limb);
-        self.touches.iter().for_each(|touch| learner.touch(touch));
+        self.touches.iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
         learner.learn()
     }
 
@@ -255,7 +258,7 @@ fn a_limb_that_two_touches_met_is_named_and_nothing_wrong_is_claimed() {
     let mut pupil = Pupil::new(&arms(), 250, 6);
     let fore = pupil.agent.creature().limb("left_fore").unwrap();
     let mut met = 0;
-    let kept: Vec<Touch> = pupil
+    let kept: Vec<RecordedTouch> = pupil
         .touches
         .iter()
         .filter(|touch| {
@@ -488,7 +491,7 @@ fn recording(pupil: &Pupil) -> [String; 2] {
     for touch in &pupil.touches {
         let [a, b] = pupil.limbs_of(touch);
         log += &format!("\n{},{}", name(a), name(b));
-        let points = touch.ends.iter().flat_map(|end| end.contact.iter().copied());
+        let points = touch.exact_contact().points.iter().flatten().copied();
         points.chain(touch.posture.iter().copied()).for_each(|x| log += &format!(",{x}"));
     }
     [described.to_string(), log]

@@ -28,9 +28,9 @@ pub fn learned_max(touches: usize) -> OwnBody {
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, touches, 3, 2);
     let mut learner = SecondOrder::new(&agent, Input::Contact, 3);
-    touches.iter().for_each(|touch| learner.touch(touch));
+    touches.iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
     let learned = learner.learn();
-    OwnBody::of(&agent, &learned, &touches)
+    OwnBody::of(&agent, &learned, touches.iter().map(|touch| &touch.posture))
 }
 
 pub fn at_table(own: OwnBody) -> (Stage, Conversation) {

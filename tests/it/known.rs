@@ -154,7 +154,7 @@ fn what_is_known_exactly_stays_and_helps_where_touches_are_too_few() {
         for input in [Input::Contact, Input::Receptor] {
             let known = PriorKnowledge::nothing(&agent).with(&given);
             let mut learner = SecondOrder::new(&agent, input, 1).with_known(known);
-            touches.iter().for_each(|touch| learner.touch(touch));
+            touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
             let learned = learner.learn();
             assert_eq!(learned.verdict, Verdict::Converged, "every {every}, {input:?}");
             let std = learned.schema_std(&body.creature).unwrap();
@@ -185,7 +185,7 @@ fn what_is_known_nearly_counts_as_much_as_its_deviation_says() {
     };
     let observe = |known: PriorKnowledge| {
         let mut learner = SecondOrder::new(&agent, Input::Contact, 1).with_known(known);
-        touches.iter().for_each(|touch| learner.touch(touch));
+        touches.iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
         learner.observe(&schema).0
     };
     let nothing = PriorKnowledge::nothing(&agent);

@@ -10,7 +10,7 @@ use bodyschema::kinematics::limb_frames;
 use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::learning::{Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, Verdict};
 use bodyschema::schema::BodySchema;
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use nalgebra::{Rotation3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,7 +32,7 @@ const GRADIENT_MM: [f64; 2] = [0.1, 20.0];
 struct Pupil {
     agent: Agent,
     truth: GroundTruth,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
 }
 
 impl Pupil {
@@ -45,7 +45,7 @@ impl Pupil {
 
     fn second_order(&self, input: Input, seed: u64) -> Learned {
         let mut learner = SecondOrder::new(&self.agent, input, seed);
-        self.touches.iter().for_each(|touch| learner.touch(touch));
+        self.touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
         learner.learn()
     }
 
@@ -58,10 +58,10 @@ impl Pupil {
     }
 
     /// The distance at which a schema puts the contact points of a touch, metres.
-    fn miss(&self, schema: &BodySchema, touch: &Touch) -> f64 {
+    fn miss(&self, schema: &BodySchema, touch: &RecordedTouch) -> f64 {
         let frames = limb_frames(self.agent.creature(), schema, &touch.posture);
-        let [a, b] =
-            touch.ends.map(|e| frames[self.agent.skin().receptors[e.receptor].limb].point(&e.contact));
+        let (limbs, points) = (touch.limbs(self.agent.skin()), touch.exact_contact().points);
+        let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&points[k]));
         (a - b).norm()
     }
 
@@ -112,7 +112,7 @@ fn relaxed_gradient(pupil: &Pupil, input: Input, seed: u64) -> Learned {
     let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
     assert!(pupil.heldout_mm(&initial_guess) > 100.0, "the initial guess knows something already");
     let mut learner = RelaxedGradient::new(&pupil.agent, input, initial_guess, seed);
-    pupil.touches.iter().for_each(|touch| learner.touch(touch));
+    pupil.touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
     learner.learn()
 }
 
@@ -150,7 +150,7 @@ fn the_repaired_gradient_of_nothing_is_its_guess() {
     let mut learner = RelaxedGradient::new(&pupil.agent, Input::Contact, initial_guess.clone(), 1);
     assert!((learner.learn().schema.axes[0] - initial_guess.axes[0]).norm() < 1e-9);
     learner = learner.with_steps(100);
-    learner.touch(&pupil.touches[0]);
+    learner.touch(&pupil.touches[0].felt(Input::Contact));
     assert!(learner.learn().schema.fits(pupil.agent.creature()));
 }
 
@@ -170,7 +170,7 @@ fn herschs_rule_brings_axes_near_the_truth_nearer() {
         let before = pupil.heldout_mm(&initial_guess);
         let mut learner = Hersch::new(&pupil.agent, Input::Contact, initial_guess);
         for _ in 0..3 {
-            pupil.touches.iter().for_each(|touch| learner.touch(touch));
+            pupil.touches.iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
         }
         let learned = learner.learn();
         assert!(matches!(learned.verdict, Verdict::Unjudged(_)), "it has no test of its own");
@@ -184,7 +184,8 @@ fn passes_of_herschs_rule_are_the_same_touches_again() {
     let pupil = Pupil::new(&max("torso"), 200, 2);
     let rule = || Hersch::new(&pupil.agent, Input::Contact, pupil.perturbed(1));
     let taught = |mut rule: Hersch, passes: usize| {
-        (0..passes).for_each(|_| pupil.touches.iter().for_each(|touch| rule.touch(touch)));
+        (0..passes)
+            .for_each(|_| pupil.touches.iter().for_each(|touch| rule.touch(&touch.felt(Input::Contact))));
         // Asking twice changes nothing.
         let [first, again] = [0, 1].map(|_| rule.learn().schema);
         assert_eq!(first, again);
@@ -204,7 +205,7 @@ fn herschs_rule_ends_at_the_first_touch_that_misses_little_enough() {
     let mut misses = Vec::new();
     for touch in &pupil.touches {
         misses.push(pupil.miss(states.last().unwrap(), touch));
-        rule.touch(touch);
+        rule.touch(&touch.felt(Input::Contact));
         states.push(rule.learn().schema);
     }
     let least = misses.iter().copied().fold(f64::INFINITY, f64::min);
@@ -213,7 +214,7 @@ fn herschs_rule_ends_at_the_first_touch_that_misses_little_enough() {
         .with_double_use(false)
         .with_passes(2)
         .with_tolerance(least * (1.0 + 1e-9));
-    pupil.touches.iter().for_each(|touch| ending.touch(touch));
+    pupil.touches.iter().for_each(|touch| ending.touch(&touch.felt(Input::Contact)));
     assert_eq!(ending.learn().schema, states[ends + 1], "no touch after touch {ends}, in no pass");
 }
 
@@ -222,7 +223,7 @@ fn herschs_rule_leaves_the_truth_where_it_is() {
     let pupil = Pupil::new(&max("torso"), 500, 3);
     let truth = pupil.truth.schema.clone();
     let mut learner = Hersch::new(&pupil.agent, Input::Contact, truth);
-    pupil.touches.iter().for_each(|touch| learner.touch(touch));
+    pupil.touches.iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
     let mean = pupil.heldout_mm(&learner.learn().schema);
     assert!(mean < 0.01, "{mean} mm");
 }
@@ -240,7 +241,7 @@ fn a_tiny_step_of_herschs_rule_lessens_the_error_of_the_touch_it_is_for() {
             let before = pupil.miss(&initial_guess, touch);
             let initial_guess = initial_guess.clone();
             let mut learner = Hersch::new(&pupil.agent, Input::Contact, initial_guess).with_step(TINY);
-            learner.touch(touch);
+            learner.touch(&touch.felt(Input::Contact));
             let after = pupil.miss(&learner.learn().schema, touch);
             assert!(after < before, "{name}, touch {i}: {before} m became {after} m");
             assert!(after > 0.9 * before, "{name}, touch {i}: a tiny step went from {before} to {after} m");

@@ -18,7 +18,8 @@ fn at_a_box(friction: f64) -> (Stage, Actor, usize) {
     let body = max("torso");
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, 300, 1, 2);
-    let own = OwnBody::new(&agent, truth(&body), Certainty::Exact, &touches);
+    let own =
+        OwnBody::new(&agent, truth(&body), Certainty::Exact, touches.iter().map(|touch| &touch.posture));
     let thing = |name: &str, half: [f64; 3], at: [f64; 3], fixed: bool, substance: Substance| Thing {
         name: name.into(),
         shape: Shape::Box { half_extents: half },
@@ -73,7 +74,8 @@ fn palms_are_the_hollow_sides_of_hands_and_face_each_other_at_ease() {
     let body = max("torso");
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, 300, 1, 2);
-    let own = OwnBody::new(&agent, truth(&body), Certainty::Exact, &touches);
+    let own =
+        OwnBody::new(&agent, truth(&body), Certainty::Exact, touches.iter().map(|touch| &touch.posture));
     let frames = own.frames(&own.at_ease());
     let facing = ["left_hand", "right_hand"].map(|name| {
         let limb = own.creature().limb(name).unwrap();

@@ -9,7 +9,7 @@ use bodyschema::kinematics::{Chain, ChainSide, limb_frames};
 use bodyschema::learning::{Learner, Online, What};
 use bodyschema::mujoco::Model;
 use bodyschema::schema::BodySchema;
-use bodyschema::senses::Disturbances;
+use bodyschema::senses::{Disturbances, Input};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -68,7 +68,7 @@ fn one_touch_in_twenty_may_be_false() {
     let (body, agent) = with_agent(max("torso"));
     let disturbances = Disturbances { false_touches: 0.05, ..Disturbances::default() };
     let exact = babble(&body, &agent, 700, 22, 2);
-    let felt = disturbances.felt(&agent, &exact, 22);
+    let felt = disturbances.felt(&agent, &exact, Input::Receptor, 22);
     let mut learner = Online::new(&felt.agent, 22);
     felt.touches.iter().for_each(|touch| learner.touch(touch));
     let learned = learner.learn();

@@ -28,7 +28,7 @@ fn knowing_max() -> OwnBody {
     let body = max("torso");
     let agent = Agent::of(&body).unwrap();
     let touches = babble(&body, &agent, 300, 1, 2);
-    OwnBody::new(&agent, truth(&body), Certainty::Exact, &touches)
+    OwnBody::new(&agent, truth(&body), Certainty::Exact, touches.iter().map(|touch| &touch.posture))
 }
 
 #[test]

@@ -6,9 +6,9 @@ use std::process::Command;
 use crate::common::{creature, max, truth, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::babbling::policy::{Foreseen, Foresight};
-use bodyschema::babbling::{Babbler, BabblingOptions, Made, PolicyName, motions_until};
+use bodyschema::babbling::{Babbler, BabblingOptions, Made, PolicyName};
 use bodyschema::creature::{Body, Posture};
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +17,7 @@ fn arms() -> String {
     two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#)
 }
 
-fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (Vec<Touch>, Effort) {
+fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (Vec<RecordedTouch>, Effort) {
     let agent = Agent::of(body).unwrap();
     let babbler = Babbler::new(Movers::new(body, &agent, MotionName::Kinematic).unwrap());
     let mut made = Vec::new();
@@ -46,14 +46,11 @@ fn every_policy_makes_the_same_touches_with_any_number_of_threads() {
 }
 
 #[test]
-fn all_motions_are_counted_whatever_the_policy() {
-    let body = max("torso");
-    for policy in [PolicyName::Random, PolicyName::Stages] {
-        let (touches, effort) = babble_by(&body, policy, 60, 1);
-        let motions = motions_until(&touches);
-        assert_eq!(motions.last(), Some(&effort.motions), "{policy}");
-        assert!(motions.windows(2).all(|pair| pair[0] < pair[1]), "{policy}: {motions:?}");
-    }
+fn all_motions_are_counted_although_the_body_starts_over() {
+    let (touches, effort) = babble_by(&max("torso"), PolicyName::Stages, 60, 1);
+    let motions: Vec<u64> = touches.iter().map(|touch| touch.motion).collect();
+    assert_eq!(motions.last(), Some(&effort.motions));
+    assert!(motions.windows(2).all(|pair| pair[0] < pair[1]), "{motions:?}");
 }
 
 #[test]
@@ -92,8 +89,8 @@ fn what_a_motion_touches_first_is_foreseen_by_the_schema() {
             let target = Posture::random(&body.creature, &mut rng);
             let foreseen = foresight.foresee(schema, [&from, &target], |_| true);
             let is_right = match mover.advance(&target).unwrap() {
-                Ending::Touch(ends) => {
-                    let mut met = ends.map(|end| agent.skin().receptors[end.receptor].limb);
+                Ending::Touch(met) => {
+                    let mut met = mover.touch(0, met).unwrap().limbs(agent.skin());
                     met.sort_unstable();
                     foreseen == Foreseen::Meeting(met)
                 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::mujoco::{Data, Model};
-use bodyschema::senses::{ContactReader, Reading, Touch, TouchKind, joint_sensors};
+use bodyschema::senses::{ContactReader, Reading, RecordedTouch, TouchKind, joint_sensors};
 use bodyschema::simulation::partner::Strokes;
 use bodyschema::simulation::{Stage, StageOptions};
 use rand::SeedableRng;
@@ -39,7 +39,7 @@ fn max_without_joint_sensors() -> String {
 }
 
 /// The torso of a Max from text, and its touches.
-fn touches(xml: &str, jobs: usize) -> (Body, Vec<Touch>) {
+fn touches(xml: &str, jobs: usize) -> (Body, Vec<RecordedTouch>) {
     let model = Arc::new(Model::from_xml(xml).unwrap());
     let (body, agent) = with_agent(Body::new(model, &"torso".parse::<JointSelection>().unwrap()).unwrap());
     let touches = babble(&body, &agent, 30, 1, jobs);

@@ -9,7 +9,7 @@ use bodyschema::agent::Agent;
 use bodyschema::creature::{AuraLimb, Creature, Dof, DofKind, Joint};
 use bodyschema::geometry::Shape;
 use bodyschema::schema::BodySchema;
-use bodyschema::senses::{Moment, Touch, TouchEnd};
+use bodyschema::senses::{ExactContact, Moment, RecordedTouch, Touch, TouchEnd};
 use bodyschema::session::*;
 use bodyschema::simulation::Effort;
 use bodyschema::skin::{Receptor, Skin, Surface};
@@ -92,32 +92,33 @@ fn agent() -> Agent {
 }
 
 /// A touch of the hand on the head, with numbers from [`AWKWARD`].
-fn touch(i: usize) -> Touch {
+fn touch(i: usize) -> RecordedTouch {
     let awkward = |k: usize| AWKWARD[(5 * i + k) % AWKWARD.len()];
     let vector = |k: usize| Vector3::new(awkward(k), awkward(k + 1), awkward(k + 2));
-    Touch {
+    let with_forces = i % 3 == 1;
+    let touch = Touch {
         bout: u64::MAX - i as u64,
         motion: i as u64,
         posture: vec![awkward(0), awkward(1), awkward(2), 0.5f64.sqrt(), -0.0, 0.5f64.sqrt(), 5e-324].into(),
-        ends: [
-            TouchEnd { receptor: 1, contact: vector(3), deviation: None },
-            TouchEnd { receptor: 2 + i % 2, contact: vector(6), deviation: None },
-        ],
-        moment: (i % 3 == 1).then_some(Moment {
-            time: awkward(9).abs(),
-            force: awkward(10).abs(),
-            depth: awkward(11).abs(),
-        }),
-    }
+        ends: [TouchEnd::at(1), TouchEnd::at(2 + i % 2)],
+        moment: with_forces.then_some(Moment { time: awkward(9).abs(), force: awkward(10).abs() }),
+    };
+    let contact = ExactContact {
+        points: [vector(3), vector(6)],
+        deviations: [None; 2],
+        depth: with_forces.then_some(awkward(11).abs()),
+    };
+    RecordedTouch::new(touch, contact)
 }
 
 /// Everything of a touch as bits, so that -0 is not 0.
-fn bits(touch: &Touch) -> Vec<u64> {
-    let ends = touch.ends.iter();
-    let numbers = touch.posture.iter().chain(ends.clone().flat_map(|end| end.contact.iter()));
-    let indices = ends.map(|end| end.receptor as u64).chain([touch.bout, touch.motion]);
-    let moment = touch.moment.map(|moment| [moment.time, moment.force, moment.depth].map(f64::to_bits));
-    numbers.map(|x| x.to_bits()).chain(indices).chain(moment.into_iter().flatten()).collect()
+fn bits(touch: &RecordedTouch) -> Vec<u64> {
+    let contact = touch.exact_contact();
+    let numbers = touch.posture.iter().chain(contact.points.iter().flatten());
+    let indices = touch.ends.iter().map(|end| end.receptor as u64).chain([touch.bout, touch.motion]);
+    let moment = touch.moment.map(|moment| [moment.time, moment.force]);
+    let moment = moment.into_iter().flatten().chain(contact.depth).map(f64::to_bits);
+    numbers.map(|x| x.to_bits()).chain(indices).chain(moment).collect()
 }
 
 fn vector_bits<'a>(vectors: impl IntoIterator<Item = &'a Vector3<f64>>) -> Vec<u64> {
@@ -399,10 +400,10 @@ fn a_touch_that_could_not_be_read_is_not_written() {
     let path = folder.path().join(TOUCHES_FILE);
     let mut writer = TouchWriter::create(folder.path(), &agent).unwrap();
     writer.write(&touch(0)).unwrap();
-    let spoils: [fn(&mut Touch); 5] = [
+    let spoils: [fn(&mut RecordedTouch); 5] = [
         |touch| touch.posture[0] = f64::NAN,
         |touch| touch.posture = touch.posture[..3].into(),
-        |touch| touch.ends[1].contact.y = f64::INFINITY,
+        |touch| touch.exact_contact_mut().points[1].y = f64::INFINITY,
         |touch| touch.ends[0].receptor = 99,
         |touch| touch.ends[1].receptor = touch.ends[0].receptor,
     ];

@@ -10,7 +10,7 @@ use bodyschema::creature::{Creature, Dof, DofKind, Posture};
 use bodyschema::evaluation::evaluate;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, Learner, SecondOrder, Verdict};
-use bodyschema::senses::{Disturbances, Touch};
+use bodyschema::senses::{Disturbances, RecordedTouch, Touch};
 use bodyschema::session::{Recording, read_creature, read_recording};
 use bodyschema::skin::Skin;
 use rand::SeedableRng;
@@ -89,7 +89,7 @@ fn dofs(creature: &Creature) -> Vec<&Dof> {
 }
 
 /// Touches as a robot's own program might write them.
-fn to_csv(agent: &Agent, touches: &[Touch], receptors: bool) -> String {
+fn to_csv(agent: &Agent, touches: &[RecordedTouch], receptors: bool) -> String {
     let (creature, skin) = (agent.creature(), agent.skin());
     let names: Vec<&str> = creature.dofs().map(|dof| dof.name.as_str()).collect();
     let ends = if receptors { "receptor_a,receptor_b" } else { "limb_a,limb_b,ax,ay,az,bx,by,bz" };
@@ -101,7 +101,7 @@ fn to_csv(agent: &Agent, touches: &[Touch], receptors: bool) -> String {
             false => on.map(|receptor| creature.limbs()[receptor.limb].clone()).to_vec(),
         };
         if !receptors {
-            cells.extend(touch.ends.iter().flat_map(|end| end.contact.iter().map(f64::to_string)));
+            cells.extend(touch.exact_contact().points.iter().flatten().map(f64::to_string));
         }
         cells.extend(touch.posture.iter().map(f64::to_string));
         text += &format!("{}\n", cells.join(","));
@@ -127,11 +127,11 @@ fn rows_and_lines_say_the_same() {
     assert_eq!(first.posture[..], [1.0, 0.0, 0.0, 0.0, 0.5, 0.25]);
     let limb = |touch: &Touch, k: usize| a.agent.skin().receptors[touch.ends[k].receptor].limb;
     assert_eq!([limb(first, 0), limb(first, 1)], [0, 2]);
-    assert_eq!(first.ends.map(|end| end.deviation), [Some(0.001), None]);
+    assert_eq!(first.exact_contact().deviations, [Some(0.001), None]);
     // The end on the earlier limb comes first, with all that belongs to it.
     assert_eq!([limb(second, 0), limb(second, 1)], [0, 2]);
-    assert_eq!(second.ends[1].contact, first.ends[0].contact);
-    assert_eq!(second.ends.map(|end| end.deviation), [None, Some(0.001)]);
+    assert_eq!(second.exact_contact().points[1], first.exact_contact().points[0]);
+    assert_eq!(second.exact_contact().deviations, [None, Some(0.001)]);
 }
 
 #[test]
@@ -205,7 +205,8 @@ fn units_are_read_from_columns_and_what_means_nothing_is_passed_over() {
     assert_eq!(other.notes, ["columns that are not used: temperature"]);
     let (a, b) = (&plain.touches[0], &other.touches[0]);
     assert!(a.posture.iter().zip(b.posture.iter()).all(|(a, b)| (a - b).abs() < 1e-12));
-    assert!(a.ends.iter().zip(&b.ends).all(|(a, b)| (a.contact - b.contact).norm() < 1e-12));
+    let [a, b] = [a, b].map(|touch| touch.exact_contact().points);
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).norm() < 1e-12));
 }
 
 #[test]
@@ -374,7 +375,7 @@ fn points_and_receptors_as_comma_separated_values_are_those_of_the_log() {
     let receptors = place.write("receptors.csv", &to_csv(&agent, &touches, true));
     let read = read_recording(&receptors, &agent).unwrap();
     assert_eq!((read.input, &read.agent), (Input::Receptor, &agent));
-    let places = |touches: &[Touch]| -> Vec<_> {
+    let places = |touches: &[RecordedTouch]| -> Vec<_> {
         touches.iter().map(|t| (t.posture.clone(), t.ends.map(|end| end.receptor))).collect()
     };
     assert_eq!(places(&read.touches), places(&touches));
@@ -384,7 +385,7 @@ fn points_and_receptors_as_comma_separated_values_are_those_of_the_log() {
     let read = read_recording(&points, &bare).unwrap();
     assert_eq!(read.input, Input::Contact);
     for (a, b) in read.touches.iter().zip(&touches) {
-        assert_eq!(a.ends.map(|end| end.contact), b.ends.map(|end| end.contact));
+        assert_eq!(a.exact_contact().points, b.exact_contact().points);
         let limb = |skin: &Skin, touch: &Touch| touch.ends.map(|end| skin.receptors[end.receptor].limb);
         assert_eq!(limb(read.agent.skin(), a), limb(agent.skin(), b));
     }
@@ -403,12 +404,12 @@ fn max_is_learned_from_points_with_noise_of_which_nothing_is_said() {
     let (agent, truth) = (Agent::of(&body).unwrap(), GroundTruth::new(&body).unwrap());
     let exact = babble(&body, &agent, 1000, 1, 2);
     let noise = Disturbances { point_noise: 1e-3, ..Default::default() };
-    let touches = noise.felt(&agent, &exact, 1).touches;
+    let touches = noise.felt(&agent, &exact, Input::Contact, 1).touches;
     for given in [None, Some(1e-3)] {
         let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
         for touch in &touches {
             let mut touch = touch.clone();
-            touch.ends.iter_mut().for_each(|end| end.deviation = given);
+            touch.ends.iter_mut().flat_map(|end| &mut end.point).for_each(|point| point.deviation = given);
             learner.touch(&touch);
         }
         let learned = learner.learn();
@@ -433,14 +434,17 @@ fn deviations_are_weights() {
     let body = creature(&two_arms(r#"type="sphere" size="0.1""#, r#"type="capsule" size="0.03 0.2""#));
     let (agent, truth) = (Agent::of(&body).unwrap(), GroundTruth::new(&body).unwrap());
     let exact = babble(&body, &agent, 400, 5, 1);
-    let coarse = Disturbances { point_noise: 5e-3, ..Default::default() }.felt(&agent, &exact, 5);
-    let fine = Disturbances { point_noise: 2e-4, ..Default::default() }.felt(&agent, &exact, 5);
+    let coarse =
+        Disturbances { point_noise: 5e-3, ..Default::default() }.felt(&agent, &exact, Input::Contact, 5);
+    let fine =
+        Disturbances { point_noise: 2e-4, ..Default::default() }.felt(&agent, &exact, Input::Contact, 5);
     let learn = |given: bool| {
         let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
         for (i, (fine, coarse)) in fine.touches.iter().zip(&coarse.touches).enumerate() {
             let (touch, deviation) = if i % 2 == 0 { (fine, 2e-4) } else { (coarse, 5e-3) };
             let mut touch = touch.clone();
-            touch.ends.iter_mut().for_each(|end| end.deviation = given.then_some(deviation));
+            let points = touch.ends.iter_mut().flat_map(|end| &mut end.point);
+            points.for_each(|point| point.deviation = given.then_some(deviation));
             learner.touch(&touch);
         }
         let learned = learner.learn();
@@ -474,7 +478,7 @@ fn touches_of_chance_are_not_learned() {
     let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
     for mut touch in babble(&body, &agent, 40, 5, 1) {
         touch.posture = Posture::random(&body.creature, &mut rng);
-        learner.touch(&touch);
+        learner.touch(&touch.felt(Input::Contact));
     }
     let learned = learner.learn_in(2);
     assert!(!learned.verdict.converged());

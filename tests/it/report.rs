@@ -8,7 +8,7 @@ use bodyschema::evaluation::{ContactResiduals, Evaluation, evaluate};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::Input;
 use bodyschema::mujoco::Model;
-use bodyschema::senses::{Touch, TouchEnd};
+use bodyschema::senses::{ExactContact, RecordedTouch, Touch, TouchEnd};
 use bodyschema::session::Checkpoint;
 use bodyschema::view::report::{self, ReportInput};
 use roxmltree::{Document, Node, ParsingOptions};
@@ -43,7 +43,7 @@ struct Session {
     truth: GroundTruth,
     evaluation: Evaluation,
     residuals: ContactResiduals,
-    touches: Vec<Touch>,
+    touches: Vec<RecordedTouch>,
     checkpoints: Vec<Checkpoint>,
     open: Vec<String>,
 }
@@ -56,15 +56,12 @@ impl Session {
         let agent = Agent::of(&body).unwrap();
         let truth = GroundTruth::new(&body).unwrap();
         let evaluation = evaluate(&agent, &truth, &truth.schema, &[]);
-        let touch = |a: &str, b: &str| Touch {
-            bout: 0,
-            motion: 1,
-            posture: body.creature.reference_posture(),
-            ends: [a, b].map(|id| {
-                let receptor = agent.skin().receptor(id).unwrap();
-                TouchEnd { receptor, contact: agent.skin().receptors[receptor].position, deviation: None }
-            }),
-            moment: None,
+        let touch = |a: &str, b: &str| {
+            let receptors = [a, b].map(|id| agent.skin().receptor(id).unwrap());
+            let (ends, posture) = (receptors.map(TouchEnd::at), body.creature.reference_posture());
+            let points = receptors.map(|receptor| agent.skin().receptors[receptor].position);
+            let contact = ExactContact { points, deviations: [None; 2], depth: None };
+            RecordedTouch::new(Touch { bout: 0, motion: 1, posture, ends, moment: None }, contact)
         };
         let touches = vec![touch("chest", "l"), touch("chest", "l"), touch("l", "r")];
         let residuals = ContactResiduals::new(&agent, &truth.schema, Input::Receptor, &touches);

@@ -139,7 +139,7 @@ fn how_well_he_knows_a_stick_counts_how_well_he_knows_his_body() {
     let schema = truth(&body);
     let touches = babble(&body, &agent, 300, 1, 2);
     let mut learner = SecondOrder::new(&agent, Input::Contact, 0);
-    touches.iter().for_each(|touch| learner.touch(touch));
+    touches.iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
     // The same body and the same motions: joints and axes known exactly, and to so many metres and radians each.
     let within = [0.0_f64, 5e-5].map(|deviation| {
         let (mut account, _) = learner.account(&schema);
@@ -147,7 +147,12 @@ fn how_well_he_knows_a_stick_counts_how_well_he_knows_his_body() {
         covariance.fill(0.0);
         covariance.fill_diagonal(deviation.powi(2));
         let certainty = Certainty::Estimated(Box::new(account));
-        let (_, mut talk) = beside_a_stick(OwnBody::new(&agent, schema.clone(), certainty, &touches));
+        let (_, mut talk) = beside_a_stick(OwnBody::new(
+            &agent,
+            schema.clone(),
+            certainty,
+            touches.iter().map(|touch| &touch.posture),
+        ));
         say(&mut talk, "take the stick with your right hand");
         talk.actor.stick().unwrap().known.unwrap().within
     });

@@ -56,8 +56,8 @@ fn the_truth_closes_the_gap_between_any_two_shapes() {
             });
             assert!(found.distance.abs() < GAP, "{name}, {shapes:?}: {} m", found.distance);
             wide += usize::from(found.distance.abs() > BARELY);
-            let first = touch.ends.iter().find(|end| end.receptor == prepared.ends[0].receptor).unwrap();
-            let off = (found.middle() - frames[0].point(&first.contact)).norm();
+            let first = touch.ends.iter().position(|end| end.receptor == prepared.ends[0].receptor).unwrap();
+            let off = (found.middle() - frames[0].point(&touch.exact_contact().points[first])).norm();
             let [a, b] = shapes;
             places.entry([a.min(b), a.max(b)]).or_default().push(off);
         }

@@ -135,7 +135,7 @@ fn assert_right_or_named(name: &str, least: usize) {
     let body = body(name);
     let agent = Agent::new(body.creature.clone(), grow(&body, &GrowOptions::default()).unwrap()).unwrap();
     let mut learner = SecondOrder::new(&agent, Input::Contact, 1);
-    babble(&body, &agent, 2000, 1, 2).iter().for_each(|touch| learner.touch(touch));
+    babble(&body, &agent, 2000, 1, 2).iter().for_each(|touch| learner.touch(&touch.felt(Input::Contact)));
     let learned = learner.learn();
     let known = body.creature.joints().len() - learned.undetermined().len();
     assert!(known >= least, "{name}: {known} joints, {:?}", learned.verdict);

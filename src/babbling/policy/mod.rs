@@ -16,10 +16,9 @@ pub use stages::Stages;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::deadline::Deadline;
-use crate::learning::Input;
 use crate::learning::growth::Growth;
 use crate::named::named;
-use crate::senses::Touch;
+use crate::senses::{Input, Touch};
 use crate::simulation::Ending;
 
 /// How the next motion is chosen.

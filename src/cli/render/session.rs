@@ -11,7 +11,7 @@ use crate::creature::{Body, Creature, JointSelection};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{
     Checkpoint, LearningRecord, ModelSource, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema,
     read_touches, same_tree,
@@ -108,7 +108,7 @@ fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body
     )))
 }
 
-fn touches(args: &RenderArguments, session: &Session) -> Result<Vec<Touch>, Failure> {
+fn touches(args: &RenderArguments, session: &Session) -> Result<Vec<RecordedTouch>, Failure> {
     let log = read_touches(&args.what.join(TOUCHES_FILE), &session.agent)?;
     warn_truncated(&log, &args.what);
     Ok(log.touches)

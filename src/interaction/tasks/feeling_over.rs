@@ -16,7 +16,7 @@ use crate::interaction::actor::Actor;
 use crate::kinematics::Chain;
 use crate::learning::{BodyChange, Certainty, Learner, Online, What};
 use crate::peripersonal::CollisionChecker;
-use crate::senses::{SkinContact, SkinSpot, Touch, Toucher};
+use crate::senses::{SkinContact, SkinSpot, Touch, TouchEnd, Toucher};
 
 /// What is felt farther from where the schema has it than this was not to be expected, metres: a hand that is stopped in
 /// the middle of a swift motion is in what it met by a millimetre.
@@ -226,7 +226,7 @@ impl Actor {
             bout: 0,
             motion,
             posture,
-            ends: spots.map(|spot| spot.into()),
+            ends: spots.map(|spot| TouchEnd::at(spot.receptor)),
             moment: None,
         }))
     }

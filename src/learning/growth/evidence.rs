@@ -6,7 +6,7 @@ use super::{GrownTouch, Growth};
 use crate::learning::Parameters;
 use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal_to};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
-use crate::learning::observation::{Input, PointsMeet};
+use crate::learning::observation::PointsMeet;
 use crate::learning::online::fit_again;
 use crate::learning::prediction::{GapRow, add_row};
 use crate::learning::prior::PriorTerm;
@@ -14,6 +14,7 @@ use crate::learning::scrutiny::CLOSED;
 use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::{TouchProblem, TouchSet};
 use crate::schema::BodySchema;
+use crate::senses::Input;
 
 /// Steps of a fit to points that is to be exact.
 const POINT_STEPS: usize = 60;

@@ -176,8 +176,9 @@ impl Growth {
         let receptors = touch.ends.map(|end| end.receptor);
         let mut felt = LimbTouch::of_receptors(self.agent.skin(), receptors, &touch.posture);
         if self.input == Input::Contact {
-            for (end, contact) in felt.ends.iter_mut().zip(touch.ends.map(|end| end.contact)) {
-                (end.position, end.covariance) = (contact, Matrix3::from_diagonal_element(POINT.powi(2)));
+            for (seen, end) in felt.ends.iter_mut().zip(&touch.ends) {
+                seen.position = end.position(self.input, self.agent.skin());
+                seen.covariance = Matrix3::from_diagonal_element(POINT.powi(2));
             }
         }
         let (limbs, prepared) = felt.prepare(creature);

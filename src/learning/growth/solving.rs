@@ -12,7 +12,7 @@ use crate::deadline::in_parallel;
 use crate::learning::annealing::quantile;
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
-use crate::learning::observation::{Input, PointsMeet};
+use crate::learning::observation::PointsMeet;
 use crate::learning::online::Anchor;
 use crate::learning::prediction::invert;
 use crate::learning::prior::PriorTerm;
@@ -20,6 +20,7 @@ use crate::learning::scrutiny::{CLOSED, Member, SHARP};
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
+use crate::senses::Input;
 
 /// A gap narrower than this is nearly closed, metres: an answer that leaves most of them may be right but for a joint.
 const NEARLY: f64 = 5e-5;

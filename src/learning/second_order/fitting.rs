@@ -7,12 +7,13 @@ use crate::learning::annealing::{NARROWEST, anneal, gaps, typical_gap};
 use crate::learning::growing::{Evidence, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::noise::{Noise, NoisyProblem};
-use crate::learning::observation::{Input, PointsMeet};
+use crate::learning::observation::PointsMeet;
 use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
 use crate::learning::touch_set::{TouchProblem, TouchSet};
 use crate::learning::twins::without_twins;
 use crate::learning::{Account, LimbFrames, Parameters, Prior};
 use crate::schema::BodySchema;
+use crate::senses::Input;
 use crate::skin::Skin;
 
 /// Fits in which the touches are weighed by how noisy joints spread them, the first with none weighed.
@@ -114,7 +115,11 @@ impl SecondOrder {
 
     /// Whether any touch says how exact its points are.
     fn noise_is_given(&self) -> bool {
-        self.touches.iter().flat_map(|touch| &touch.ends).any(|end| end.deviation.is_some())
+        self.touches
+            .iter()
+            .flat_map(|touch| &touch.ends)
+            .filter_map(|end| end.point)
+            .any(|point| point.deviation.is_some())
     }
 
     /// How many times more noise points have than they are taken to have: by what is left of each of their equations that

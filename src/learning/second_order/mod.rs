@@ -19,13 +19,14 @@ use self::searching::{Judged, SearchResult, kept_back};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::growing::{EXACT, Evidence, Start};
-use crate::learning::observation::{Input, Observation, SkinKnowledge};
+use crate::learning::observation::{Observation, SkinKnowledge};
 use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::{LimbTouch, NORMAL_DEVIATION, PreparedTouch, TouchSet};
 use crate::learning::{
     Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict,
 };
 use crate::schema::BodySchema;
+use crate::senses::Input;
 use crate::senses::Touch;
 
 /// Starts tried before the learner says that it failed.
@@ -136,9 +137,11 @@ impl SecondOrder {
     fn limb_touch<'t>(&self, touch: &'t Touch) -> LimbTouch<'t> {
         let ends = touch.ends.map(|end| Observation {
             receptor: end.receptor,
-            position: self.input.position(self.agent.skin(), &end),
+            position: end.position(self.input, self.agent.skin()),
             covariance: match self.input {
-                Input::Contact => Matrix3::identity() * contact_variance(end.deviation),
+                Input::Contact => {
+                    Matrix3::identity() * contact_variance(end.point.and_then(|point| point.deviation))
+                }
                 Input::Receptor => self.agent.skin().receptors[end.receptor].covariance(NORMAL_DEVIATION),
             },
         });

@@ -10,10 +10,10 @@ use crate::deadline::{count, side_by_side, worked};
 use crate::learning::annealing::NARROWEST;
 use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
-use crate::learning::observation::Input;
 use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::TouchSet;
 use crate::learning::{AxisModel, LimbFrames, Parameters, PriorKnowledge};
+use crate::senses::Input;
 use crate::senses::Touch;
 use crate::skin::Receptor;
 

@@ -22,9 +22,8 @@ use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
 use crate::creature::{Creature, Dof, Posture};
 use crate::error::Error;
-use crate::learning::Input;
 use crate::named::did_you_mean;
-use crate::senses::{Touch, TouchEnd};
+use crate::senses::{ExactContact, Input, RecordedTouch, Touch, TouchEnd};
 use crate::skin::{Receptor, Skin};
 
 /// Bare receptors of a limb at the most.
@@ -36,7 +35,7 @@ pub struct Recording {
     /// The agent that was given, with bare receptors if limbs were touched that have none.
     pub agent: Agent,
     /// The touches in the log's order.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<RecordedTouch>,
     /// What the touches report: points if every touch has them and one lacks receptors, else receptors.
     pub input: Input,
     /// What looks odd, in sentences: nothing that stands in the way.
@@ -166,10 +165,10 @@ fn raw_touch(
 }
 
 /// Leaves of touches that repeat one another the first; how many went.
-fn drop_repeats(touches: &mut Vec<Touch>) -> usize {
+fn drop_repeats(touches: &mut Vec<RecordedTouch>) -> usize {
     drop_alike(touches, |touch| {
         let posture = touch.posture.iter().map(|x| x / SAME_POSTURE);
-        let points = touch.ends.iter().flat_map(|end| end.contact.iter().map(|x| x / SAME_POINT));
+        let points = touch.exact_contact().points.iter().flatten().map(|x| x / SAME_POINT);
         ((touch.bout, touch.ends.map(|end| end.receptor)), posture.chain(points).collect())
     })
 }
@@ -216,17 +215,18 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Er
             let receptor = named.or_else(|| nearest(skin, limbs[k], &end.point?));
             let receptor = receptor.expect("an end has a receptor or a point");
             let contact = end.point.unwrap_or(skin.receptors[receptor].position);
-            (named, TouchEnd { receptor, contact, deviation: end.deviation })
+            (named, receptor, contact, end.deviation)
         };
         let (a, b) = (end(0), end(1));
         all_points &= found.ends.iter().all(|end| end.point.is_some());
         all_receptors &= a.0.is_some() && b.0.is_some();
-        let mut ends = [a.1, b.1];
-        if limbs[0] > limbs[1] {
-            ends.swap(0, 1);
-        }
+        let [first, second] = if limbs[0] > limbs[1] { [b, a] } else { [a, b] };
         let (bout, motion) = (found.bout.unwrap_or(0), found.motion.unwrap_or(number as u64 + 1));
+        let ends = [TouchEnd::at(first.1), TouchEnd::at(second.1)];
+        let contact =
+            ExactContact { points: [first.2, second.2], deviations: [first.3, second.3], depth: None };
         let touch = Touch { bout, motion, posture: found.posture.clone(), ends, moment: None };
+        let touch = RecordedTouch::new(touch, contact);
         check(&touch, &agent).map_err(refuse(found))?;
         touches.push(touch);
     }

@@ -14,9 +14,9 @@ use rand_chacha::ChaCha8Rng;
 use crate::creature::{Body, Posture};
 use crate::error::Result;
 use crate::mujoco::{Data, LONGEST_STEP, Model};
-use crate::senses::{ContactReader, Moment, Proprioception, Reading, TouchEnd};
+use crate::senses::{ContactReader, Moment, Proprioception, Reading};
 use crate::simulation::advancement::ConservativeAdvancement;
-use crate::simulation::motion::{Effort, Ending, MotionUntilTouch};
+use crate::simulation::motion::{Effort, Ending, Met, MotionUntilTouch};
 use crate::simulation::step::step;
 use crate::skin::Skin;
 use servo::{Servo, ServoPath};
@@ -68,7 +68,7 @@ struct SimulatedState {
 /// Receptors that fired.
 #[derive(Clone, Copy, Debug)]
 struct Fired {
-    ends: [TouchEnd; 2],
+    met: Met,
     /// Which data hold their contact.
     level: usize,
     moment: Moment,
@@ -256,12 +256,13 @@ impl<'a> DynamicMover<'a> {
                 continue;
             }
             fresh.push(limbs);
-            let moment = Moment { time: now, force, depth: (-contact.distance).max(0.0) };
-            if fired.is_some_and(|fired| fired.moment.depth >= moment.depth) || !feel {
+            let depth = Some((-contact.distance).max(0.0));
+            if fired.is_some_and(|fired| fired.met.depth() >= depth) || !feel {
                 continue;
             }
             if let Reading::Touch(spots) = self.reader.read(self.body, self.skin, data, &contact) {
-                fired = Some(Fired { ends: spots.map(TouchEnd::from), level, moment });
+                let (met, moment) = (Met::new(spots, depth), Moment { time: now, force });
+                fired = Some(Fired { met, level, moment });
             }
         }
         if fired.is_none() {
@@ -284,7 +285,7 @@ impl<'a> DynamicMover<'a> {
             |contact| self.reader.read(self.body, self.skin, data, &contact) == Reading::Neighbours;
         self.effort.neighbours += data.contacts().filter(|contact| neighbours(*contact)).count() as u64;
         self.touched = Some(fired.moment);
-        Ending::Touch(fired.ends)
+        Ending::Touch(fired.met)
     }
 
     /// Whether the body is at the end of its way, and at rest.

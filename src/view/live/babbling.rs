@@ -17,7 +17,7 @@ use crate::evaluation::touch_misses;
 use crate::ground_truth::GroundTruth;
 use crate::learning::growth::Growth;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::{RecordedTouch, Touch};
 use crate::session::{LearningStep, Observer, Phase};
 use crate::view::body::{BodyScene, Layer, Pose, Skeleton};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
@@ -185,7 +185,7 @@ impl Observer for BabblingView {
         }
     }
 
-    fn touched(&self, touch: &Touch) {
+    fn touched(&self, touch: &RecordedTouch) {
         let mut state = self.state();
         state.touches += 1;
         let number = state.touches;

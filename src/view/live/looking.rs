@@ -13,7 +13,7 @@ use crate::creature::{Appearance, Creature, Posture};
 use crate::learning::{Account, Certainty};
 use crate::named::in_words;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::same_tree;
 use crate::view::body::{BodyScene, Clothes, Layer, Look, Pose, SHADE, Skeleton};
 use crate::view::text::{error_number, escape};
@@ -39,7 +39,7 @@ pub struct LookedAt {
     /// How sure that is.
     pub certainty: Certainty,
     /// Its touches.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<RecordedTouch>,
     /// What came of it, in a sentence.
     pub verdict: String,
     /// How far that can be relied on, where it is of something learned.

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::mujoco::{GeomCopy, Mark};
 use crate::named::in_words;
 use crate::schema::BodySchema;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::Checkpoint;
 use crate::view::text::{self, error_number};
 
@@ -80,14 +80,14 @@ impl<'a> SessionDrawing<'a> {
     }
 
     /// The limbs of a touch, in words.
-    fn limbs(&self, touch: &Touch) -> String {
+    fn limbs(&self, touch: &RecordedTouch) -> String {
         let limbs = touch.limbs(self.agent.skin());
         let [a, b] = limbs.map(|limb| in_words(&self.agent.creature().limbs()[limb]));
         format!("{a}, {b}")
     }
 
     /// The receptors of a touch, lit.
-    fn lit(&self, touch: &Touch) -> Result<Vec<Mark>> {
+    fn lit(&self, touch: &RecordedTouch) -> Result<Vec<Mark>> {
         let mut data = self.body.reference_data()?;
         data.set_qpos(&self.qpos(&touch.posture))?;
         data.kinematics()?;
@@ -95,7 +95,7 @@ impl<'a> SessionDrawing<'a> {
             let receptor = &self.agent.skin().receptors[end.receptor];
             (receptor, self.body.limb_pose(&data, receptor.limb).unwrap_or_default())
         });
-        let [a, b] = [0, 1].map(|end| receptors[end].1 * Point3::from(touch.ends[end].contact));
+        let [a, b] = [0, 1].map(|end| receptors[end].1 * Point3::from(touch.exact_contact().points[end]));
         Ok(lit_touch(receptors, &nalgebra::center(&a, &b), self.size))
     }
 
@@ -107,7 +107,7 @@ impl<'a> SessionDrawing<'a> {
     }
 
     /// The body as it touches itself; the touch has a number.
-    fn touched(&self, number: usize, touch: &Touch) -> Result<Shot> {
+    fn touched(&self, number: usize, touch: &RecordedTouch) -> Result<Shot> {
         let caption = format!("touch {number}: {}", self.limbs(touch));
         Ok(Shot { lit: self.lit(touch)?, caption, ..self.shot(&touch.posture) })
     }
@@ -126,7 +126,7 @@ impl<'a> SessionDrawing<'a> {
     ///
     /// # Errors
     /// If the engine fails.
-    pub fn touch(&self, number: usize, touch: &Touch) -> Result<Storyboard> {
+    pub fn touch(&self, number: usize, touch: &RecordedTouch) -> Result<Storyboard> {
         Ok(self.board(vec![self.touched(number, touch)?]))
     }
 
@@ -139,7 +139,7 @@ impl<'a> SessionDrawing<'a> {
     ///
     /// # Errors
     /// If the engine fails.
-    pub fn touches(&self, first: usize, touches: &[Touch]) -> Result<Storyboard> {
+    pub fn touches(&self, first: usize, touches: &[RecordedTouch]) -> Result<Storyboard> {
         let creature = self.agent.creature();
         let mut shots = Vec::new();
         let mut from = Posture::start(creature);

@@ -19,7 +19,7 @@ use crate::evaluation::{ContactResiduals, Evaluation};
 use crate::ground_truth::GroundTruth;
 use crate::learning::Account;
 use crate::schema::{BodySchema, SchemaStd};
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{Checkpoint, Prediction, SpaceRecord};
 use crate::view::page;
 use crate::view::text::escape;
@@ -42,7 +42,7 @@ pub struct ReportInput<'a> {
     /// The error measures, where the truth is known.
     pub evaluation: Option<&'a Evaluation>,
     /// The touches that were learned from.
-    pub touches: &'a [Touch],
+    pub touches: &'a [RecordedTouch],
     /// How far apart the schema puts what touched.
     pub residuals: &'a ContactResiduals,
     /// The schema on the way, from the initial guess on; every schema must fit the creature.

@@ -6,7 +6,7 @@ use super::{ReportInput, html};
 use crate::error::Error;
 use crate::evaluation::{ContactResiduals, Evaluation, evaluate_claims};
 use crate::ground_truth::GroundTruth;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::session::{
     Host, LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_predictions,
     read_schema_with_std, write_whole,
@@ -24,7 +24,7 @@ pub const REPORT_FILE: &str = "report.html";
 pub fn write_report(
     folder: &Path,
     session: &Session,
-    touches: &[Touch],
+    touches: &[RecordedTouch],
     truth: Option<&GroundTruth>,
 ) -> Result<(LearningRecord, Option<Evaluation>), Error> {
     let agent = &session.agent;

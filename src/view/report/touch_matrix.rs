@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::ReportInput;
 use crate::agent::Agent;
 use crate::named::in_words;
-use crate::senses::Touch;
+use crate::senses::RecordedTouch;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::touches;
@@ -65,7 +65,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
 }
 
 /// Touches per pair of aura limbs that touched, the later limb first.
-fn counts(agent: &Agent, touches: &[Touch]) -> BTreeMap<[usize; 2], usize> {
+fn counts(agent: &Agent, touches: &[RecordedTouch]) -> BTreeMap<[usize; 2], usize> {
     let (creature, skin) = (agent.creature(), agent.skin());
     let auras: Vec<Option<usize>> = (0..creature.limbs().len()).map(|limb| creature.aura_of(limb)).collect();
     let mut counts = BTreeMap::new();

@@ -21,7 +21,7 @@ use bodyschema::learning::{Certainty, Input, Learner, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::peripersonal::OwnBody;
 use bodyschema::schema::BodySchema;
-use bodyschema::senses::Touch;
+use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::{MotionName, Movers};
 
 /// Whether the engine is none of the family that Debian ships: docs/engines.md tells what is otherwise with these.
@@ -61,7 +61,7 @@ pub fn take(body: &Body, data: &mut Data, posture: &[f64]) {
 }
 
 /// The first `touches` touches of a seed.
-pub fn babble(body: &Body, agent: &Agent, touches: usize, seed: u64, jobs: usize) -> Vec<Touch> {
+pub fn babble(body: &Body, agent: &Agent, touches: usize, seed: u64, jobs: usize) -> Vec<RecordedTouch> {
     let babbler = Babbler::new(Movers::new(body, agent, MotionName::Kinematic).unwrap());
     let mut made = Vec::new();
     let options = BabblingOptions { touches, seed, jobs };
@@ -75,11 +75,16 @@ pub fn babble(body: &Body, agent: &Agent, touches: usize, seed: u64, jobs: usize
 }
 
 /// What an agent knows of its body by a schema that touches determine as well as they do.
-pub fn own_body(agent: &Agent, schema: &BodySchema, input: Input, touches: &[Touch]) -> OwnBody {
+pub fn own_body(agent: &Agent, schema: &BodySchema, input: Input, touches: &[RecordedTouch]) -> OwnBody {
     let mut learner = SecondOrder::new(agent, input, 0);
-    touches.iter().for_each(|touch| learner.touch(touch));
+    touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
     let (account, _) = learner.account(schema);
-    OwnBody::new(agent, schema.clone(), Certainty::Estimated(Box::new(account)), touches)
+    OwnBody::new(
+        agent,
+        schema.clone(),
+        Certainty::Estimated(Box::new(account)),
+        touches.iter().map(|touch| &touch.posture),
+    )
 }
 
 /// A body and the agent in it, with the skin that its model gives it.

@@ -1,0 +1,82 @@
+//! A touch as it is recorded: with the exact contact, which the agent does not feel.
+
+use std::ops::{Deref, DerefMut};
+
+use nalgebra::Vector3;
+
+use super::{FeltPoint, Input, SkinSpot, Touch};
+
+/// Where and how deep two surfaces met exactly: what the engine computes or a recording measured. Evaluation, tests and
+/// files have it; the agent's folders never name it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactContact {
+    /// The point of contact in the frame of each end's limb, metres.
+    pub points: [Vector3<f64>; 2],
+    /// Standard deviation of each coordinate of these points, metres, where a recording gives it.
+    pub deviations: [Option<f64>; 2],
+    /// How deep the surfaces were in each other, metres. `None` if no forces were at work.
+    pub depth: Option<f64>,
+}
+
+impl ExactContact {
+    /// The contact of two places on the skin.
+    pub fn of(spots: [SkinSpot; 2]) -> ExactContact {
+        ExactContact { points: spots.map(|spot| spot.point), deviations: [None; 2], depth: None }
+    }
+}
+
+/// A touch of the receptors alone, beside the exact contact that it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedTouch {
+    touch: Touch,
+    contact: ExactContact,
+}
+
+impl RecordedTouch {
+    /// A touch and its contact.
+    pub fn new(touch: Touch, contact: ExactContact) -> RecordedTouch {
+        RecordedTouch { touch, contact }
+    }
+
+    /// The touch as an agent feels it through a kind of skin.
+    pub fn felt(&self, input: Input) -> Touch {
+        let mut touch = self.touch.clone();
+        if input == Input::Contact {
+            for (k, end) in touch.ends.iter_mut().enumerate() {
+                let (position, deviation) = (self.contact.points[k], self.contact.deviations[k]);
+                end.point = Some(FeltPoint { position, deviation });
+            }
+        }
+        touch
+    }
+
+    /// The exact contact.
+    pub fn exact_contact(&self) -> &ExactContact {
+        &self.contact
+    }
+
+    /// The exact contact, to be changed.
+    pub fn exact_contact_mut(&mut self) -> &mut ExactContact {
+        &mut self.contact
+    }
+}
+
+impl Deref for RecordedTouch {
+    type Target = Touch;
+
+    fn deref(&self) -> &Touch {
+        &self.touch
+    }
+}
+
+impl DerefMut for RecordedTouch {
+    fn deref_mut(&mut self) -> &mut Touch {
+        &mut self.touch
+    }
+}
+
+impl AsRef<Touch> for RecordedTouch {
+    fn as_ref(&self) -> &Touch {
+        &self.touch
+    }
+}
