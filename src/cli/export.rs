@@ -9,7 +9,8 @@ use crate::session::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, 
 
 /// Write a session's learned body as a model for other programs.
 ///
-/// The file's ending chooses the format: .xml for MJCF, which MuJoCo's `simulate` opens, .urdf for URDF. The joints are
+/// The file's ending chooses the format: .xml for MJCF, which MuJoCo's `simulate` opens, .urdf for URDF, .csv for a table of
+/// the joints, .vtk for the skin in the reference posture, which ParaView opens. In MJCF and URDF the joints are
 /// where the schema has them, the limbs have the shapes of the skin, masses are stand-ins. URDF has no balls, capsules or
 /// ellipsoids: three hinges stand for a ball, a cylinder and two spheres for a capsule, and ellipsoids refer to an STL mesh
 /// that is written beside the file. Limbs of a recording without a skin have no shape.
@@ -20,7 +21,7 @@ use crate::session::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, 
 pub struct ExportArguments {
     /// The session's folder
     session: PathBuf,
-    /// The file to write, ending in .xml or .urdf [default: learned.xml in the session's folder]
+    /// The file to write, ending in .xml, .urdf, .csv or .vtk [default: learned.xml in the session's folder]
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     #[arg(long, hide = true)]

@@ -1,7 +1,9 @@
 //! A learned body in the formats of others: a file and a line in [`FORMATS`] for each.
 
+mod csv;
 mod mjcf;
 mod urdf;
+mod vtk;
 
 use std::path::{Path, PathBuf};
 
@@ -28,9 +30,11 @@ pub struct ExportFormat {
 }
 
 /// All formats.
-pub const FORMATS: [ExportFormat; 2] = [
+pub const FORMATS: &[ExportFormat] = &[
     ExportFormat { ending: "xml", about: "MJCF, for MuJoCo", files: mjcf::files },
     ExportFormat { ending: "urdf", about: "URDF, for ROS and most simulators", files: urdf::files },
+    ExportFormat { ending: "csv", about: "a table of the joints", files: csv::files },
+    ExportFormat { ending: "vtk", about: "the skin as quadrangles, for ParaView", files: vtk::files },
 ];
 
 impl ExportFormat {
@@ -41,7 +45,8 @@ impl ExportFormat {
     pub fn of(path: &Path) -> Result<&'static ExportFormat, String> {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
         FORMATS.iter().find(|format| format.ending == ending).ok_or_else(|| {
-            let all = FORMATS.map(|format| format!(".{} for {}", format.ending, format.about)).join("; ");
+            let all = FORMATS.iter().map(|format| format!(".{} for {}", format.ending, format.about));
+            let all = all.collect::<Vec<_>>().join("; ");
             format!("{}: unsupported format: use {all}", path.display())
         })
     }

@@ -190,9 +190,9 @@ mod slow {
 
     /// Two more such fingers, which are cut short in 50 s, and were claimed wrongly in more.
     #[test]
-    #[ignore = "slow: two minutes"]
+    #[ignore = "slow: a minute"]
     fn fingers_of_which_nothing_can_be_told_are_not_claimed_however_long_they_are_learned() {
-        nothing_is_claimed_wrongly("33970", "default", "300", false);
+        nothing_is_claimed_wrongly("33970", "default", "120", false);
     }
 
     /// The same of `lm`: a hinge with a mirror image that closes all, limbs most of whose touches stay open, and a body that did

@@ -1,10 +1,11 @@
 //! The learned body as a model: read back by MuJoCo it is the schema that was written.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, Creature, Dof, DofKind, Joint, JointSelection, Posture};
-use bodyschema::export::to_mjcf;
+use bodyschema::export::{ExportFormat, to_mjcf};
 use bodyschema::geometry::Shape;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
@@ -249,4 +250,66 @@ fn a_schema_that_knows_nothing_is_a_model_too() {
     let copy =
         read_back(&to_mjcf(&Agent::new(stiff.clone(), Skin::default()).unwrap(), &BodySchema::zero(&stiff)));
     assert_eq!(copy.creature.dof(), 5);
+}
+
+/// What a format makes of a body at its truth.
+fn exported(body: &Body, name: &str) -> String {
+    let (agent, truth) = (Agent::of(body).unwrap(), GroundTruth::new(body).unwrap().schema);
+    let path = Path::new(name);
+    let (_, bytes) = (ExportFormat::of(path).unwrap().files)(&agent, &truth, path).pop().unwrap();
+    String::from_utf8(bytes).unwrap()
+}
+
+#[test]
+fn a_table_has_every_joint_to_the_last_digit() {
+    let mixed = body(Model::from_xml(MIXED).unwrap(), &JointSelection::All);
+    let truth = GroundTruth::new(&mixed).unwrap().schema;
+    let text = exported(&mixed, "mixed.csv");
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let dofs: Vec<(usize, &Dof)> = mixed
+        .creature
+        .joints()
+        .iter()
+        .enumerate()
+        .flat_map(|(j, joint)| joint.dofs.iter().map(move |d| (j, d)))
+        .collect();
+    assert_eq!(rows.len(), dofs.len());
+    for (k, (row, (joint, dof))) in rows.iter().zip(dofs).enumerate() {
+        assert_eq!((&row[0], &row[2]), (mixed.creature.joints()[joint].name.as_str(), dof.name.as_str()));
+        let numbers = |from: usize| Vector3::from_fn(|i, _| row[from + i].parse().unwrap());
+        assert_eq!(numbers(4), truth.positions[joint], "{row:?}");
+        match dof.kind {
+            DofKind::Ball => assert_eq!((&row[3], &row[7]), ("ball", "")),
+            _ => assert_eq!(numbers(7), truth.axes[k], "{row:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_picture_for_paraview_has_every_receptor_where_the_schema_puts_it() {
+    let max = max(&JointSelection::All);
+    let truth = GroundTruth::new(&max).unwrap().schema;
+    let skin = skin_of(&max);
+    let text = exported(&max, "max.vtk");
+    let (_, points) = text.split_once(" double\n").unwrap();
+    let corners: Vec<Vector3<f64>> = points
+        .lines()
+        .map_while(|line| {
+            let numbers: Vec<f64> = line.split(' ').map_while(|word| word.parse().ok()).collect();
+            (numbers.len() == 3).then(|| Vector3::from_column_slice(&numbers))
+        })
+        .collect();
+    assert_eq!(corners.len(), 4 * skin.receptors.len());
+    let frames = limb_frames(&max.creature, &truth, &max.creature.reference_posture());
+    for (four, receptor) in corners.chunks(4).zip(&skin.receptors) {
+        let middle = four.iter().sum::<Vector3<f64>>() / 4.0;
+        assert!((middle - frames[receptor.limb].point(&receptor.position)).norm() < ROUND_TRIP);
+        let [u, v] = receptor.half_extents.map(|half| 2.0 * half);
+        let sides = [(four[1] - four[0]).norm(), (four[2] - four[1]).norm()];
+        assert!((sides[0] - u).abs() < ROUND_TRIP && (sides[1] - v).abs() < ROUND_TRIP, "{sides:?}: {u} {v}");
+    }
+    for part in ["POLYGONS", "CELL_DATA", "SCALARS limb", "NORMALS normal"] {
+        assert!(text.contains(&format!("\n{part} ")), "{part}");
+    }
 }

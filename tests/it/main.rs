@@ -21,6 +21,7 @@ mod dynamic;
 mod engines;
 mod errors;
 mod export;
+mod extending;
 mod felt_shape;
 mod files;
 mod foreign;

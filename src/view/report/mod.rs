@@ -81,7 +81,7 @@ pub struct ReportInput<'a> {
 type Section = (&'static str, fn(&ReportInput) -> String);
 
 /// The sections of the page, below the body.
-const SECTIONS: [Section; 10] = [
+const SECTIONS: &[Section] = &[
     ("How well it was learned", tables::errors),
     ("What stays undetermined", tables::undetermined),
     ("Located limbs", tables::limbs),
@@ -98,7 +98,7 @@ const SECTIONS: [Section; 10] = [
 pub fn html(input: &ReportInput) -> String {
     let name = input.agent.creature().name();
     let seed = input.seed;
-    let sections = in_sections(&SECTIONS.map(|(title, content)| (title, content(input))));
+    let sections = in_sections(SECTIONS.iter().map(|(title, content)| (*title, content(input))));
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch</p>\n</header>\n{}{sections}",
         escape(name),
@@ -108,8 +108,7 @@ pub fn html(input: &ReportInput) -> String {
 }
 
 /// Titles and contents as sections of a page.
-fn in_sections(sections: &[(&str, String)]) -> String {
-    let section =
-        |(title, content): &(&str, String)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n");
-    sections.iter().map(section).collect()
+fn in_sections<'a>(sections: impl IntoIterator<Item = (&'a str, String)>) -> String {
+    let section = |(title, content)| format!("<section>\n<h2>{title}</h2>\n{content}</section>\n");
+    sections.into_iter().map(section).collect()
 }

@@ -85,7 +85,7 @@ pub fn html(report: &CalibrationReport) -> String {
         ("Residuals by pair of links", charts::by_pair(report)),
         ("Correlations", tables::correlations(report)),
     ];
-    let sections = super::in_sections(&sections);
+    let sections = super::in_sections(sections);
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A robot calibrated by its own touches</p>\n</header>\n\
          <p class=\"verdict{}\">{}</p>\n<p class=\"note\">{}</p>\n{sections}",
