@@ -25,14 +25,14 @@ const ADDITIONS: [Addition; 7] = [
         content: r#"//! Counts the steps of the simulation.
 
 use super::sense::{Sense, SensedStep};
-use crate::mujoco;
+use crate::error::Result;
 
 /// How many steps there were.
 #[derive(Default)]
 pub struct Steps(pub usize);
 
 impl Sense for Steps {
-    fn step(&mut self, _: &SensedStep) -> mujoco::Result<()> {
+    fn step(&mut self, _: &SensedStep) -> Result<()> {
         self.0 += 1;
         Ok(())
     }
@@ -213,7 +213,7 @@ fn another_one_of_each_kind_is_a_file_and_its_name_in_one_table() {
     let compiled = Command::new(env!("CARGO"))
         .args(["check", "--lib", "--quiet", "--locked", "--offline"])
         .current_dir(place.path())
-        .env("CARGO_TARGET_DIR", repository("target/extended"))
+        .env("CARGO_TARGET_DIR", repository("target"))
         .output()
         .unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
