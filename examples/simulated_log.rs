@@ -6,10 +6,11 @@ use std::fs;
 use std::path::PathBuf;
 
 use bodyschema::agent::Agent;
+use bodyschema::babbling::PolicyName;
 use bodyschema::calibration::robot::{Knowledge, Value};
 use bodyschema::calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
 use bodyschema::calibration::{Estimator, EstimatorOptions, Touch, plan};
-use bodyschema::session::{calibration_table, read_robot};
+use bodyschema::session::{SessionRequest, calibration_table, read_robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -27,7 +28,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("give a URDF file and the log to write".into());
     };
     let robot = read_robot(&model)?.robot;
-    let babbled = Agent::from_mjcf(&model)?.babble(FOUND)?;
+    let at_random = SessionRequest {
+        touches: Some(FOUND),
+        policy: Some(PolicyName::Random),
+        ..SessionRequest::default()
+    };
+    let babbled = Agent::from_mjcf(&model)?.babble_as(&at_random)?;
     let embodied = babbled.embodied();
     let schema = &embodied.truth().schema;
     let found = point_touches(embodied.agent(), schema, &robot, babbled.touches());

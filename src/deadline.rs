@@ -81,6 +81,17 @@ impl Deadline {
         Deadline(Some(Moment::Worked(TALLY.get().work.saturating_add((seconds * A_SECOND) as u64))))
     }
 
+    /// The same where work was put aside when `then` had been [`worked`], and goes on here: what was done since does not
+    /// count.
+    pub fn resumed(self, then: u64) -> Deadline {
+        match self.0 {
+            Some(Moment::Worked(work)) => {
+                Deadline(Some(Moment::Worked(work.saturating_sub(then).saturating_add(worked()))))
+            }
+            _ => self,
+        }
+    }
+
     /// The time until then; none where the clock does not tell.
     pub fn left(&self) -> Option<Duration> {
         match self.0 {

@@ -2,7 +2,6 @@
 
 use std::cell::Cell;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -15,29 +14,14 @@ use super::live::{Live, LiveOptions, Place};
 use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::progress::Bars;
 use super::{Failure, Outcome};
-use crate::babbling::{BabblingOptions, PolicyName, threads};
-use crate::creature::{Creature, JointSelection};
-use crate::deadline::Deadline;
-use crate::learning::growth::Growth;
-use crate::learning::learners::{LearnerKind, PartByPart};
-use crate::senses::joint_sensors;
+use crate::babbling::PolicyName;
+use crate::creature::JointSelection;
 use crate::session::{
-    BabbledSession, BabbledShares, BabblingSession, Embodied, FolderLock, Observer, Observers, SessionSetup,
+    BabbledSession, BabbledShares, BabblingSession, Embodied, FolderLock, Observer, Observers,
+    SessionRequest, SessionSetup,
 };
 use crate::share::Share;
 use crate::simulation::MotionName;
-
-/// Touches that are made where no number is asked for, …
-const TOUCHES: usize = 1000;
-/// … and by stages, which end by themselves, at the most.
-const MOST_TOUCHES: usize = 4000;
-/// Work that a session takes at the most where no number of touches is asked for, in seconds of a core that does nothing else:
-/// nobody is to wait much longer for a word.
-const WORK: f64 = 50.0;
-/// The share of it after which no touches are made, …
-const BABBLING: f64 = 0.65;
-/// … and that after which nothing more is tried to explain them: the last fit and the measures take the rest.
-const LEARNING: f64 = 0.85;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
@@ -131,22 +115,22 @@ pub struct BabbleArguments {
 }
 
 impl BabbleArguments {
-    /// The policy that is asked for, or that suits what else is and the creature, whose senses are exact or not.
-    fn policy(&self, creature: &Creature, exact: bool) -> PolicyName {
-        let grows = self.motion == MotionName::Kinematic && self.learning.grows() && Growth::suits(creature);
-        let grows = grows && exact;
-        let asked = self.learning.named().is_none_or(|learner| learner.name() == PartByPart.name());
-        let grows = grows && self.shard.is_none();
-        self.policy.unwrap_or(if grows && asked { PolicyName::Stages } else { PolicyName::Random })
-    }
-
-    /// Work that the session may take, if it may not take as much as it likes.
-    fn work(&self) -> Option<f64> {
-        let patient = self.touches.is_some()
-            || self.seconds.is_some()
-            || self.shard.is_some()
-            || self.motion == MotionName::Dynamic;
-        self.work.or((!patient).then_some(WORK))
+    /// What is asked, from now on.
+    fn request(&self) -> SessionRequest {
+        SessionRequest {
+            touches: self.touches,
+            seconds: self.seconds,
+            work: self.work,
+            seed: self.seed,
+            jobs: self.jobs,
+            policy: self.policy,
+            motion: self.motion,
+            learner: self.learning.named(),
+            learning: self.learning.open(),
+            known: self.learning.known.clone(),
+            share: self.shard,
+            ..SessionRequest::default()
+        }
     }
 }
 
@@ -162,35 +146,13 @@ pub struct Prepared {
 
 impl Prepared {
     pub fn new(args: &BabbleArguments) -> Result<Prepared, Failure> {
-        let (began, work) = (Instant::now(), args.work());
-        let deadline = |share: f64| match (work, args.seconds) {
-            (Some(work), _) => Deadline::after_work_of(share * work),
-            (None, Some(seconds)) => Duration::try_from_secs_f64(share * seconds)
-                .map_or(Deadline::NEVER, |time| Deadline::after(began, time)),
-            (None, None) => Deadline::NEVER,
-        };
+        let request = args.request();
         is_there(&args.model, "babble")?;
         let embodied = embodied(args.open.source(&args.model, args.joints.clone().unwrap_or_default()))?;
-        // Noise of a model's own joint sensors is noise as any.
-        let exact = joint_sensors(embodied.body()).iter().flatten().all(|sensor| sensor.noise == 0.0);
-        let policy = args.policy(embodied.creature(), exact);
-        if let Some(share) = args.shard.filter(|_| policy != PolicyName::Random) {
-            return Err(Failure(format!(
-                "--policy {policy} learns on the way from all touches before, which share {share} has not: leave out --shard, \
-                 or babble by --policy random"
-            )));
-        }
-        let mut learning = args.learning.options(embodied.creature(), Some(policy).filter(|_| exact))?;
-        learning.deadline = deadline(LEARNING);
-        // Whether the creature can babble at all, and be watched, is told before any folder is made.
-        embodied.babbler(args.motion)?;
-        let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
-        let touches = args.touches.unwrap_or(most);
-        let babbling = BabblingOptions { touches, seed: args.seed, jobs: threads(args.jobs) };
-        let setup =
-            SessionSetup { babbling, policy, motion: args.motion, deadline: deadline(BABBLING), learning };
+        // Whether it can be watched is told before any folder is made.
+        let setup = request.setup(&embodied)?;
         let place = Cell::new(args.live.place()?);
-        Ok(Prepared { embodied, setup, work, place })
+        Ok(Prepared { embodied, setup, work: request.work(), place })
     }
 
     /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may

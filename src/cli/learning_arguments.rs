@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Failure;
 use crate::babbling::PolicyName;
-use crate::creature::Creature;
 use crate::learning::learners::{LEARNERS, LearnerKind, learner_kind};
 use crate::learning::{Input, LimbFrames, SkinKnowledge};
 use crate::session::{DisturbanceLevels, LearningOptions, Session};
@@ -65,34 +64,22 @@ impl LearningArguments {
         LearningArguments { learner: Some(learner.name().to_string()), ..self.clone() }
     }
 
-    /// The options for a creature, with the file of known joints read; for exact touches by a policy, or none.
-    pub fn options(
-        &self,
-        creature: &Creature,
-        policy: Option<PolicyName>,
-    ) -> Result<LearningOptions, Failure> {
-        self.with_known(self.bare(policy), creature)
-    }
-
     /// The options for a session's touches: those of a recording report what the recording holds.
     pub fn options_for(&self, session: &Session) -> Result<LearningOptions, Failure> {
         let policy = session.options.policy.as_deref().and_then(|policy| policy.parse().ok());
-        self.with_known(self.bare(policy).for_session(session)?, session.agent.creature())
+        let options = self.bare(policy).for_session(session)?;
+        Ok(options.knowing(self.known.as_deref(), session.agent.creature())?)
     }
 
     /// The options without what is known, for touches by a policy; none of a recording.
     pub fn bare(&self, policy: Option<PolicyName>) -> LearningOptions {
-        let by_policy = LearningOptions::default_learner(policy.filter(|_| self.grows()));
-        LearningOptions { learner: self.named().unwrap_or(by_policy), ..self.anyhow() }
-    }
-
-    /// Whether a body can grow part by part with these options.
-    pub fn grows(&self) -> bool {
-        self.known.is_none() && self.anyhow().grows()
+        let by_policy =
+            LearningOptions::default_learner(policy.filter(|_| self.known.is_none() && self.open().grows()));
+        LearningOptions { learner: self.named().unwrap_or(by_policy), ..self.open() }
     }
 
     /// The options without what is known, whatever the learner.
-    fn anyhow(&self) -> LearningOptions {
+    pub fn open(&self) -> LearningOptions {
         LearningOptions {
             input: self.input,
             skin: self.skin,
@@ -100,15 +87,6 @@ impl LearningArguments {
             disturbances: self.disturbances.levels(),
             ..LearningOptions::default()
         }
-    }
-
-    fn with_known(&self, options: LearningOptions, creature: &Creature) -> Result<LearningOptions, Failure> {
-        let options = match &self.known {
-            Some(path) => options.with_known(path, creature)?,
-            None => options,
-        };
-        options.check(creature)?;
-        Ok(options)
     }
 }
 

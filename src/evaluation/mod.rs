@@ -5,7 +5,6 @@
 //! limb lands relative to every other limb, in postures that were not babbled; the axes of determined
 //! joints; and the touches themselves.
 
-pub mod coverage;
 mod map_agreement;
 mod measures;
 mod own_account;

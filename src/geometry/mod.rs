@@ -17,7 +17,6 @@ mod outline;
 mod samples;
 mod shape;
 mod simplex;
-mod swept;
 
 pub use bounds::{Ball, Cluster, clusters};
 pub use capsule::{Capsule, closest_points};
@@ -32,4 +31,3 @@ pub use hull::Hull;
 pub use outline::ConvexOutline;
 pub use samples::SurfaceSample;
 pub use shape::Shape;
-pub use swept::SweptShape;

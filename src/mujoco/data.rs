@@ -187,15 +187,6 @@ impl Data {
         product
     }
 
-    /// Advances the simulation by the model's time step: forces, contacts and sensors are those at the beginning of
-    /// the step, the posture that at its end.
-    ///
-    /// # Errors
-    /// As [`Data::collision`]; [`Error::Warning`] also where the simulation became unstable.
-    pub fn step(&mut self) -> Result<()> {
-        self.run("mj_step", ffi::mj_step)
-    }
-
     /// The first half of a step: all that depends on the posture and velocities, contacts among it; no forces yet.
     ///
     /// # Errors

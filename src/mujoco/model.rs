@@ -337,11 +337,6 @@ impl Model {
         }
     }
 
-    /// All sites.
-    pub fn sites(&self) -> impl ExactSizeIterator<Item = Site<'_>> {
-        (0..self.nsite()).map(|i| self.site(i))
-    }
-
     /// Sensor `i`.
     pub fn sensor(&self, i: usize) -> Sensor<'_> {
         Sensor {

@@ -312,11 +312,6 @@ impl CollisionChecker {
         })
     }
 
-    /// The middle of a limb's surfaces in its own frame, metres; none where it has none.
-    pub fn middle(&self, limb: usize) -> Option<Vector3<f64>> {
-        self.bounds[limb].as_ref().map(|ball| ball.centre)
-    }
-
     /// The least gap anywhere, up to `below`, metres.
     pub fn least(&self, frames: &[Frame], below: f64) -> f64 {
         let own = self.pairs.iter().map(|pair| self.between(frames, pair, below));

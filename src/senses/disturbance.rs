@@ -19,7 +19,7 @@ use crate::skin::Skin;
 const JOINT_STREAM: u64 = u64::MAX;
 const RECEPTOR_STREAM: u64 = u64::MAX - 1;
 const FALSE_TOUCH_STREAM: u64 = u64::MAX - 2;
-// u64::MAX - 3 makes the gaps of `evaluation::coverage`, u64::MAX - 4 is the learner's.
+// u64::MAX - 3 makes the gaps of a test, u64::MAX - 4 is the learner's.
 const POINT_STREAM: u64 = u64::MAX - 5;
 
 /// How much is wrong with an agent's senses; nothing by default.

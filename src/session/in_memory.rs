@@ -2,20 +2,21 @@
 
 use std::path::Path;
 
+use super::babbling::SessionSetup;
 use super::embodied::{Embodied, ModelSource};
 use super::learning_options::LearningOptions;
+use super::request::SessionRequest;
 use super::touches::all_touches;
 use crate::agent::Agent;
-use crate::babbling::{BabblingOptions, Made, Policy, PolicyName};
-use crate::error::Error;
+use crate::babbling::{BabblingOptions, Made, Policy};
+use crate::deadline::{apart, count, worked};
+use crate::error::{Error, Result};
 use crate::evaluation::{Evaluation, evaluate_learned};
+use crate::learning::growth::Growth;
 use crate::learning::{Learned, Learner};
 use crate::peripersonal::OwnBody;
 use crate::senses::{Input, RecordedTouch, Touch};
 use crate::simulation::MotionName;
-
-/// The seed where none is chosen.
-const SEED: u64 = 1;
 
 impl Agent {
     /// Reads a model and the creature in it, which can babble.
@@ -33,6 +34,11 @@ pub struct Babbled {
     embodied: Embodied,
     touches: Vec<RecordedTouch>,
     seed: u64,
+    learning: LearningOptions,
+    /// What was learned on the way.
+    grown: Option<Growth>,
+    /// How much was [`worked`] when it was done.
+    worked: u64,
 }
 
 /// A creature that has learned its body, with the account of what it knows.
@@ -43,33 +49,27 @@ pub struct LearnedBody {
 }
 
 impl Embodied {
-    /// Babbles at random, on all cores, until it has touched itself so many times; always the same touches.
+    /// Babbles until it has touched itself so many times, or, with `None`, as long as `bodyschema babble` does; always the
+    /// same touches.
     ///
     /// # Errors
-    /// Where nothing of it can touch anything, and where the engine fails.
-    pub fn babble(self, touches: usize) -> Result<Babbled, Error> {
-        let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-        self.babble_by(
-            PolicyName::Random,
-            MotionName::default(),
-            &BabblingOptions { touches, seed: SEED, jobs },
-        )
+    /// If nothing of it can touch anything, or the engine fails.
+    pub fn babble(self, touches: impl Into<Option<usize>>) -> Result<Babbled> {
+        self.babble_as(&SessionRequest { touches: touches.into(), ..SessionRequest::default() })
     }
 
-    /// Babbles by a policy and a kind of motion.
+    /// Babbles as it is asked.
     ///
     /// # Errors
-    /// See [`Embodied::babble`].
-    pub fn babble_by(
-        self,
-        policy: PolicyName,
-        motion: MotionName,
-        options: &BabblingOptions,
-    ) -> Result<Babbled, Error> {
-        let babbler = self.babbler(motion)?;
-        let (touches, _) = all_touches(self.model(), &babbler, policy, options)?;
+    /// As [`Embodied::babble`] and [`SessionRequest::setup`].
+    pub fn babble_as(self, request: &SessionRequest) -> Result<Babbled> {
+        let SessionSetup { babbling, policy, motion, deadline, learning } = request.setup(&self)?;
+        let babbler = self.babbler(motion)?.until(deadline).learning_from(learning.input());
+        let (made, done) = apart(|| all_touches(self.model(), &babbler, policy, &babbling));
+        count(done);
+        let (touches, grown) = made?;
         drop(babbler);
-        Ok(Babbled { embodied: self, touches, seed: options.seed })
+        Ok(Babbled { embodied: self, touches, seed: babbling.seed, learning, grown, worked: worked() })
     }
 
     /// Babbles by a policy of one's own.
@@ -87,7 +87,8 @@ impl Embodied {
         };
         babbler.babble_with(policy, options, receive).map_err(Error::of_model(self.model()))?;
         drop(babbler);
-        Ok(Babbled { embodied: self, touches, seed: options.seed })
+        let learning = LearningOptions::default();
+        Ok(Babbled { embodied: self, touches, seed: options.seed, learning, grown: None, worked: worked() })
     }
 }
 
@@ -105,24 +106,28 @@ impl Babbled {
     /// Learns where the joints are and how they turn, from the touches alone.
     ///
     /// # Errors
-    /// Where there is no touch to learn from.
-    pub fn learn(self) -> Result<LearnedBody, Error> {
-        self.learn_by(&LearningOptions::default())
+    /// If there is no touch to learn from.
+    pub fn learn(self) -> Result<LearnedBody> {
+        let deadline = self.learning.deadline.resumed(self.worked);
+        let options = LearningOptions { deadline, ..self.learning.clone() };
+        self.learn_by(&options)
     }
 
     /// Learns otherwise than by default.
     ///
     /// # Errors
-    /// Where there is no touch to learn from, or the options are not for this creature.
-    pub fn learn_by(self, options: &LearningOptions) -> Result<LearnedBody, Error> {
+    /// If there is no touch to learn from, or the options are not for this creature.
+    pub fn learn_by(self, options: &LearningOptions) -> Result<LearnedBody> {
         options.check(self.embodied.creature())?;
-        let learned = {
-            let agent = self.embodied.agent();
-            let felt =
-                options.disturbances.disturbances().felt(agent, &self.touches, options.input(), self.seed);
-            let mut learner = options.learner(&felt.agent, self.seed);
-            learn_from(&felt.agent, learner.as_mut(), &felt.touches)?
-        };
+        let agent = self.embodied.agent();
+        let disturbances = options.disturbances.disturbances();
+        let felt = disturbances.felt(agent, &self.touches, options.input(), self.seed);
+        // What was learned on the way was learned of a body without the disturbances.
+        let grown = self.grown.as_ref().filter(|_| disturbances.is_none());
+        let mut learner = options.learner_from(&felt.agent, grown, self.seed);
+        learner.end_at(options.deadline);
+        let learned = learn_from(&felt.agent, learner.as_mut(), &felt.touches)?;
+        drop((learner, felt));
         Ok(LearnedBody { embodied: self.embodied, touches: self.touches, learned })
     }
 

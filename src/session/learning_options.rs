@@ -117,6 +117,19 @@ impl LearningOptions {
         Ok(LearningOptions { known: Some(KnownFile { path: path.to_path_buf(), joints }), ..self })
     }
 
+    /// These options for a creature, with what a file says of its joints if there is one.
+    ///
+    /// # Errors
+    /// As [`LearningOptions::with_known`] and [`LearningOptions::check`].
+    pub fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
+        let options = match known {
+            Some(path) => self.with_known(path, creature)?,
+            None => self,
+        };
+        options.check(creature)?;
+        Ok(options)
+    }
+
     /// Whether a creature can be learned with these options.
     ///
     /// # Errors
@@ -252,6 +265,7 @@ mod tests {
     use std::cmp::Ordering;
 
     use super::*;
+    use crate::session::SessionRequest;
 
     /// The crane has slides, which are lengths in postures.
     const CRANE: &str = "mjcf/bodies/crane.xml";
@@ -260,7 +274,12 @@ mod tests {
 
     #[test]
     fn a_small_body_is_learned_as_a_large_one_to_the_digit() {
-        let babbled = Agent::from_mjcf(CRANE).unwrap().babble(400).unwrap();
+        let at_random = SessionRequest {
+            touches: Some(400),
+            policy: Some(PolicyName::Random),
+            ..SessionRequest::default()
+        };
+        let babbled = Agent::from_mjcf(CRANE).unwrap().babble_as(&at_random).unwrap();
         let agent = babbled.embodied().agent();
         assert!(agent.creature().dofs().any(|dof| dof.kind == DofKind::Slide), "{CRANE} has no slide");
         let options = LearningOptions { input: Some(Input::Contact), ..LearningOptions::default() };

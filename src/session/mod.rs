@@ -32,6 +32,7 @@ mod part_file;
 mod progress;
 mod recorded;
 mod recording;
+mod request;
 mod robot;
 mod schema;
 mod session_body;
@@ -72,6 +73,7 @@ pub(crate) use part_file::{MadeFolders, PartFile, folder_of, write_whole};
 pub use progress::BabblingProgress;
 pub use recorded::{RecordedSession, RecordingSource};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
+pub use request::SessionRequest;
 pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, apply_known, calibration_table,
     is_mjcf, read_calibration_log, read_robot,

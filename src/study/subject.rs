@@ -139,6 +139,7 @@ impl Subject {
             root: self.body().root_name().map(str::to_string),
             probes: probes.iter().map(|name| name.to_string()).collect(),
             things,
+            ..StageOptions::default()
         };
         Stage::new(self.model(), &options).map_err(Error::of_model(self.model()))
     }

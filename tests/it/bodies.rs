@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::common::program::{refused, succeeds};
-use crate::common::repository;
+use crate::common::{at_random, repository};
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, DofKind, JointSelection};
 use bodyschema::deadline::Deadline;
@@ -114,7 +114,7 @@ fn of_small_bodies_nothing_is_claimed_wrongly() {
 #[test]
 fn who_has_no_time_is_told_so() {
     let embodied = Agent::from_mjcf(repository("mjcf/hexapod/hexapod.xml")).unwrap();
-    let babbled = embodied.babble(300).unwrap();
+    let babbled = embodied.babble_as(&at_random(300)).unwrap();
     let learner = |agent| {
         let mut learner = SecondOrder::new(agent, Input::Contact, 1);
         learner.end_at(Deadline::after(Instant::now(), Duration::ZERO));

@@ -1,9 +1,9 @@
 //! The bound: what touches determine is what theory says, and the intervals hold the truth as often as they
 //! claim to in the noise that the model assumes.
 
+use crate::common::gap_noise::{NormalizedErrors, covered, true_gap, with_gap_noise};
 use crate::common::{babble, creature, max, two_arms};
 use bodyschema::agent::Agent;
-use bodyschema::evaluation::coverage::{NormalizedErrors, covered, true_gap, with_gap_noise};
 use bodyschema::evaluation::{CramerRaoBound, held_out, held_out_points};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, KnownJoint, Learner, PriorKnowledge, SecondOrder, Verdict};

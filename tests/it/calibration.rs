@@ -4,7 +4,7 @@
 use std::fs;
 
 use crate::common::calibrating::{Place, double, falsify};
-use crate::common::repository;
+use crate::common::{at_random, repository};
 use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Element, Form, Knowledge, Posed, Robot, Unit, Value};
 use bodyschema::calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
@@ -24,7 +24,7 @@ use serde_json::Value as Json;
 fn arms(touches: usize) -> (Robot, Vec<Touch>) {
     let path = repository("examples/robot/arms.urdf");
     let robot = read_robot(&path).unwrap().robot;
-    let babbled = Agent::from_mjcf(&path).unwrap().babble(touches).unwrap();
+    let babbled = Agent::from_mjcf(&path).unwrap().babble_as(&at_random(touches)).unwrap();
     let embodied = babbled.embodied();
     let touches = point_touches(embodied.agent(), &embodied.truth().schema, &robot, babbled.touches());
     (robot, touches)

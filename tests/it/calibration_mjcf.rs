@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::common::calibrating::Place;
-use crate::common::repository;
+use crate::common::{at_random, repository};
 use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Form, Knowledge, Posed, Robot, Value};
 use bodyschema::calibration::simulated::{misread, point_touches};
@@ -258,7 +258,7 @@ fn an_mjcf_comes_back_with_its_encoders_put_right() {
     let text = fs::read_to_string(&path).unwrap();
     place.write("two_arms.xml", &text);
     let robot = read_robot(&path).unwrap().robot;
-    let babbled = Agent::from_mjcf(&path).unwrap().babble(250).unwrap();
+    let babbled = Agent::from_mjcf(&path).unwrap().babble_as(&at_random(250)).unwrap();
     let embodied = babbled.embodied();
     let mut touches = point_touches(embodied.agent(), &embodied.truth().schema, &robot, babbled.touches());
     assert!(touches.len() > 200);

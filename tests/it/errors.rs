@@ -12,7 +12,7 @@ use bodyschema::mujoco::{Data, Model};
 use bodyschema::session::{FolderLock, Session, own_body, read_calibration_log, read_robot};
 use bodyschema::share::Share;
 
-use crate::common::repository;
+use crate::common::{at_random, repository};
 
 /// The kinds, in the order in which [`kinds`] asks for them.
 const KINDS: [&str; 5] = ["file", "model", "engine", "usage", "not learned"];
@@ -44,8 +44,10 @@ fn an_error_is_of_the_kind_of_its_cause_and_of_no_other() {
     let lock = FolderLock::take(folder.path()).unwrap();
     let max = Agent::from_mjcf(repository("mjcf/max/max.xml")).unwrap();
     let agent = max.agent().clone();
-    let untouched =
-        max.babble(0).unwrap().learn_with(Input::Contact, |agent| SecondOrder::new(agent, Input::Contact, 1));
+    let untouched = max
+        .babble_as(&at_random(0))
+        .unwrap()
+        .learn_with(Input::Contact, |agent| SecondOrder::new(agent, Input::Contact, 1));
     let mut data = Data::new(Arc::new(Model::from_xml("<mujoco/>").unwrap())).unwrap();
     let cases: [(&str, Error, &str, &str); 11] = [
         ("no model", Agent::from_mjcf("no/such.xml").err().unwrap(), "model", "no/such.xml: "),
@@ -55,7 +57,7 @@ fn an_error_is_of_the_kind_of_its_cause_and_of_no_other() {
         ("no session", Session::read(&path("nowhere")).unwrap_err(), "file", "nowhere"),
         ("a log that is none", read_calibration_log(&path("log.csv"), &arms).unwrap_err(), "file", "log.csv"),
         ("no robot", read_robot(&path("robot.csv")).err().unwrap(), "file", "robot.csv"),
-        ("in use", FolderLock::take(folder.path()).err().unwrap(), "file", "in use"),
+        ("in use", FolderLock::take(folder.path()).err().unwrap(), "file", "is writing it"),
         ("no policy", "by chance".parse::<PolicyName>().unwrap_err(), "usage", "by chance"),
         ("no touch", untouched.err().unwrap(), "not learned", "babble some first"),
         ("the engine", data.set_qpos(&[1.0]).unwrap_err().into(), "engine", "qpos"),

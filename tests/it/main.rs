@@ -35,6 +35,7 @@ mod interaction;
 mod kinematics;
 mod known;
 mod learning;
+mod library;
 mod lifting;
 mod live;
 mod map;

@@ -3,15 +3,14 @@
 use std::path::PathBuf;
 
 use super::{Knowledge, UnknownArguments};
-use crate::babbling::{BabblingOptions, PolicyName};
+use crate::babbling::PolicyName;
 use crate::calibration::robot::Robot;
 use crate::calibration::simulated::point_touches;
 use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
 use crate::cli::open::{ModelArguments, embodied};
 use crate::cli::{Outcome, output, progress};
 use crate::creature::JointSelection;
-use crate::session::{calibration_table, name_of, read_robot};
-use crate::simulation::MotionName;
+use crate::session::{SessionRequest, calibration_table, name_of, read_robot};
 
 /// Choose the touches that would tell most about what is unknown of a robot.
 ///
@@ -68,10 +67,14 @@ pub fn run(args: &PlanArguments) -> Outcome {
     }
     let spinner = progress::spinner("babbling");
     let (truth, agent) = (embodied.truth().schema.clone(), embodied.agent().clone());
-    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
     let count = usize::try_from(args.candidates).unwrap_or(usize::MAX);
-    let options = BabblingOptions { touches: count, seed: args.seed, jobs };
-    let babbled = embodied.babble_by(PolicyName::Random, MotionName::default(), &options)?;
+    let request = SessionRequest {
+        touches: Some(count),
+        seed: args.seed,
+        policy: Some(PolicyName::Random),
+        ..SessionRequest::default()
+    };
+    let babbled = embodied.babble_as(&request)?;
     // The file's own frames and names, by which its touches are logged and calibrated.
     let mut robot = read_robot(&args.model)?.robot;
     args.unknowns.apply(&mut robot, false)?;

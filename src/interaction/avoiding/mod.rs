@@ -193,19 +193,3 @@ impl Avoiding {
         self.groups.entry(joints.to_vec()).or_insert_with(new)
     }
 }
-
-impl Actor {
-    /// Stays as it is for some time but for what has to get out of the way of things that come near, and for what it is to
-    /// do meanwhile; all that is felt.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    pub fn avoid(&mut self, avoiding: &mut Avoiding, seconds: f64) -> EngineResult<Vec<SkinContact>> {
-        let steps = (seconds / self.handle.timestep()).ceil().max(1.0) as usize;
-        let mut felt = Vec::new();
-        for _ in 0..steps {
-            felt.extend(avoiding.step(self)?);
-        }
-        Ok(felt)
-    }
-}

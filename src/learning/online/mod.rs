@@ -223,11 +223,6 @@ impl Online {
         &self.changes
     }
 
-    /// The sticks that are held.
-    pub fn tools(&self) -> &[Tool] {
-        &self.tools
-    }
-
     /// Tries to learn from all touches at once.
     fn try_all(&mut self) {
         let learned = self.batch.learn_in(if self.initial_guesses == 0 { FIRST_STARTS } else { STARTS });

@@ -29,7 +29,7 @@ pub fn away(probe: usize) -> Vector3<f64> {
 
 /// See [`super::Stage::new`].
 pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Error> {
-    let StageOptions { joints, root, things, probes } = options;
+    let StageOptions { joints, root, things, probes, senses: others } = options;
     // Which of the model's trees is the creature must not depend on what touches it.
     let root = match root {
         None if !probes.is_empty() => root_of(path)?,
@@ -90,7 +90,7 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Error> {
     data.set_qpos(&qpos)?;
     data.forward()?;
     let own = SensingBody { agent: &agent, body: &body, frames: &body.limb_frames(&data) };
-    let senses = SENSES.iter().map(|new| new(&own)).collect::<Result<_>>()?;
+    let senses = SENSES.iter().chain(others).map(|new| new(&own)).collect::<Result<_>>()?;
     let mut core = StageCore {
         body: Arc::new(body),
         agent,

@@ -32,7 +32,7 @@ use crate::creature::{Body, JointSelection, Posture, body_name};
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
 use crate::mujoco::Data;
-use crate::senses::{Approach, Aura, Proprioception, Sense, SkinContact, TouchSensor};
+use crate::senses::{Approach, Aura, NewSense, Proprioception, Sense, SkinContact, TouchSensor};
 use crate::skin::{Skin, SomatotopicMap};
 
 /// What is on a stage beside what its file has.
@@ -46,6 +46,8 @@ pub struct StageOptions {
     pub things: Vec<Thing>,
     /// The names of probes, which wait far away.
     pub probes: Vec<String>,
+    /// Senses of the creature beside [`SENSES`](crate::senses::SENSES).
+    pub senses: Vec<NewSense>,
 }
 
 /// Who looks on: is told of every step that the creature makes, and of what it feels in it.

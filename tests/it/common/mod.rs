@@ -4,6 +4,7 @@ pub mod browser;
 pub mod calibrating;
 pub mod clients;
 pub mod drawing;
+pub mod gap_noise;
 pub mod program;
 pub mod python;
 pub mod served;
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bodyschema::agent::Agent;
-use bodyschema::babbling::{Babbler, BabblingOptions};
+use bodyschema::babbling::{Babbler, BabblingOptions, PolicyName};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Certainty, Input, Learner, SecondOrder};
@@ -22,11 +23,17 @@ use bodyschema::mujoco::{Data, Model};
 use bodyschema::peripersonal::OwnBody;
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::RecordedTouch;
+use bodyschema::session::SessionRequest;
 use bodyschema::simulation::{MotionName, Movers};
 
 /// Whether the engine is none of the family that Debian ships: docs/engines.md tells what is otherwise with these.
 pub fn is_newer_engine() -> bool {
     bodyschema::mujoco::check().unwrap() >= bodyschema::mujoco::Version(300)
+}
+
+/// Asks for touches by random motions.
+pub fn at_random(touches: usize) -> SessionRequest {
+    SessionRequest { touches: Some(touches), policy: Some(PolicyName::Random), ..SessionRequest::default() }
 }
 
 /// A file of the repository.

@@ -23,8 +23,6 @@ pub struct FeltThing {
     pub touches: Vec<usize>,
     /// The middle of them in the root's frame, metres.
     pub at: Vector3<f64>,
-    /// How far apart they are at most, metres.
-    pub extent: f64,
 }
 
 /// The things that touches are of, in the order in which they were felt first.
@@ -47,9 +45,7 @@ pub fn things(map: &SearchedMap, felt: &[Feeling]) -> Vec<FeltThing> {
             low = low.inf(point);
             high = high.sup(point);
         }
-        let apart = |a: &Vector3<f64>| points.iter().map(|b| (a - b).norm()).fold(0.0, f64::max);
-        let extent = points.iter().map(apart).fold(0.0, f64::max);
-        FeltThing { touches, at: 0.5 * (low + high), extent }
+        FeltThing { touches, at: 0.5 * (low + high) }
     };
     firsts.map(thing).collect()
 }

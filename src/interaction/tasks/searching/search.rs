@@ -108,11 +108,6 @@ impl Search {
         }
     }
 
-    /// The plan.
-    pub fn plan(&self) -> &SearchPlan {
-        &self.plan
-    }
-
     pub(super) fn stop(&self, [lane, k]: [usize; 2]) -> &Stop {
         &self.plan.lanes[lane][k]
     }

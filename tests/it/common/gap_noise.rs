@@ -8,18 +8,18 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::measures::HeldOutPoint;
-use crate::agent::Agent;
-use crate::creature::{Creature, DofKind, Posture};
-use crate::geometry::tangent_basis;
-use crate::ground_truth::GroundTruth;
-use crate::kinematics::{Chain, ChainSide};
-pub use crate::learning::Z95;
-use crate::learning::observability::Observability;
-use crate::learning::observation::Observation;
-use crate::learning::surface_gap::SurfaceGap;
-use crate::schema::BodySchema;
-use crate::senses::{Input, RecordedTouch, Touch};
+use bodyschema::agent::Agent;
+use bodyschema::creature::{Creature, DofKind, Posture};
+use bodyschema::evaluation::HeldOutPoint;
+use bodyschema::geometry::tangent_basis;
+use bodyschema::ground_truth::GroundTruth;
+use bodyschema::kinematics::{Chain, ChainSide};
+use bodyschema::learning::Z95;
+use bodyschema::learning::observability::Observability;
+use bodyschema::learning::observation::Observation;
+use bodyschema::learning::surface_gap::SurfaceGap;
+use bodyschema::schema::BodySchema;
+use bodyschema::senses::{Input, RecordedTouch, Touch};
 
 /// Random stream of the session's seed; bouts of babbling and initial guesses count from 0 and never get here.
 const STREAM: u64 = u64::MAX - 3;
