@@ -241,3 +241,30 @@ fn within_a_folder_nothing_uses_itself_in_a_circle() {
     let folders: Vec<&str> = circles.iter().map(|(folder, _)| folder.as_str()).collect();
     assert_eq!(folders, CIRCULAR, "{circles:#?}");
 }
+
+/// "To add a request, write a file and name it in the table": nothing else names the ones that there are.
+#[test]
+fn a_request_is_a_file_and_a_line() {
+    let conversation = repository("src/interaction/conversation");
+    let read = |path: &Path| std::fs::read_to_string(path).unwrap();
+    let files = |folder: &str| {
+        let entries = std::fs::read_dir(conversation.join(folder)).unwrap();
+        entries.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some())
+    };
+    let sources: Vec<String> =
+        ["", "grammar", "requests"].iter().flat_map(|folder| files(folder)).map(|path| read(&path)).collect();
+    let mut requests = 0;
+    for path in files("requests") {
+        let module = path.file_stem().unwrap().to_string_lossy().into_owned();
+        for line in read(&path).lines() {
+            let request =
+                line.strip_prefix("pub(super) const ").and_then(|rest| rest.split_once(": RequestKind"));
+            let Some((name, _)) = request else { continue };
+            let named: usize =
+                sources.iter().map(|source| source.matches(&format!("{module}::{name}")).count()).sum();
+            assert_eq!(named, 1, "{module}::{name}");
+            requests += 1;
+        }
+    }
+    assert!(requests > 30, "{requests}");
+}

@@ -43,13 +43,6 @@ fn examples(file: &str) -> Vec<Example> {
 
 /// How many utterances of some files are taken for what they mean, of how many; none may move that may not.
 fn taken(files: &[&str]) -> (usize, usize) {
-    let (right, all, moved) = measured(files);
-    assert!(moved.is_empty(), "these may not move: {moved:#?}");
-    (right, all)
-}
-
-/// How many utterances of some files are taken for what they mean, of how many; and those that move and may not.
-fn measured(files: &[&str]) -> (usize, usize, Vec<String>) {
     let (mut right, mut all, mut moved, mut kept) = (0, 0, Vec::new(), 0);
     let mut wrong: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for example in files.iter().flat_map(|file| examples(file)) {
@@ -96,32 +89,33 @@ fn measured(files: &[&str]) -> (usize, usize, Vec<String>) {
         list.iter().for_each(|line| eprintln!("  {line}"));
     }
     eprintln!("{right} of {all} right; {kept} that may move ask first");
-    (right, all, moved)
+    assert!(moved.is_empty(), "these may not move: {moved:#?}");
+    (right, all)
 }
 
 #[test]
 fn utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
     let (right, all) = taken(&["tests/it/utterances/first.jsonl", "tests/it/utterances/more.jsonl"]);
-    assert!(right * 1000 >= all * 970, "{right} of {all}");
+    assert!(right * 1000 >= all * 975, "{right} of {all}");
 }
 
 #[test]
 fn freer_utterances_are_taken_for_what_they_mean_and_none_moves_that_may_not() {
     let (right, all) = taken(&["tests/it/utterances/freer.jsonl", "tests/it/utterances/registers.jsonl"]);
-    assert!(right * 1000 >= all * 955, "{right} of {all}");
+    assert!(right * 1000 >= all * 968, "{right} of {all}");
 }
 
 #[test]
 fn unseen_utterances_are_understood_as_often_as_was_measured_and_none_moves_that_may_not() {
     let (right, all) = taken(&["tests/it/utterances/unseen_2.jsonl"]);
-    assert!(right * 1000 >= all * 840, "{right} of {all}");
+    assert!(right * 1000 >= all * 870, "{right} of {all}");
     // By neither list the grammar was mended: they tell how many are understood of what nobody has tried yet.
     let (right, all) = taken(&["tests/it/utterances/unseen_3.jsonl"]);
-    assert!(right * 1000 >= all * 905, "{right} of {all}");
-    // Measured once, nothing mended by it: 256 of 330, fewer than the 9 in 10 that are wanted, and one that asks what a thing is
-    // like moves him.
-    let (right, all, moved) = measured(&["tests/it/utterances/unseen_4.jsonl"]);
-    assert!(right * 1000 >= all * 775 && moved.len() <= 1, "{right} of {all}, {moved:?}");
+    assert!(right * 1000 >= all * 920, "{right} of {all}");
+    // Of a third author's, whose sentences were not looked at, only how many are understood: 256 of 330 at first, with one that
+    // moved him and only asked what a thing is like; fewer still than the 9 in 10 that are wanted.
+    let (right, all) = taken(&["tests/it/utterances/unseen_4.jsonl"]);
+    assert!(right * 1000 >= all * 855, "{right} of {all}");
 }
 
 /// What something is related to, to which side it is to go, or that it is denied in what is asked.

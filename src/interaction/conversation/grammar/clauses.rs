@@ -29,7 +29,7 @@ pub enum Mood {
 /// What denies or forbids, wherever it stands.
 const DENYING: &str = "not|never|without|neither|nor|refrain|abstain|cease|desist|prevent|forbid|prohibit|unless|nobody|none; \
     nothing; instead of; rather than; \
-    avoid|stop|quit|skip|hate|dislike|loathe|mind|resent ?with ?the|THING|you|it DOING; \
+    avoid|stop|quit|skip|hate|dislike|loathe|mind|resent ?with ?THING|you|it DOING; \
     leave|left THING|SOME|BODY alone|be; leave off; leave|left THING where|in; let THING be $; ^ HAND off; \
     no ?more DOING|TOUCH|PUSH|LEAN|LIFT|REACH|PULL|GRAB|PUT|contact; keep HAND off|away|from; \
     hold off|back from|DOING; keep|stay off; keep|away|refrain|far from DOING|TOUCH; from DOING; \
@@ -316,7 +316,7 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
         || has(pieces, "^ let me|us =know|=hear")
         || inverted
         || has(pieces, "^ any|DOING|ok|okay") && asks
-        || has(pieces, "^ ?have|do ?you ?have ?you ?any|no|an idea");
+        || has(pieces, "^ ?have|do ?you ?have ?you ?any|no idea");
     let hypothetical = hypothetical(pieces);
     if asks && has(pieces, "=did|=have|=has|=were|=was .. not") && past(pieces) {
         return Mood::Past;
@@ -332,7 +332,7 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
     }
     let command = pieces.first().is_some_and(|first| first.sense == Sense::Word && first.word.form.is_base())
         && !inverted;
-    if !wanted && past(pieces) && (!command || has(pieces, "^ TELL")) {
+    if past(pieces) && (has(pieces, "^ TELL") || !wanted && !command) {
         return Mood::Past;
     }
     match () {

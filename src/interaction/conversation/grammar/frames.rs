@@ -41,7 +41,7 @@ const ASKED: &str = "can|could|will|would|might|may not you ?also VERB; \
     can|could|may|might i|we ?ask|trouble|bother|beg|get|have|persuade|tempt|convince|request|invite|see|watch you ?to|for VERB|DOING; \
     can|could|may|might i|we suggest|propose|recommend|request|ask ?that you VERB; \
     do|would|will|can|could you mind|consider|fancy|contemplate|try DOING; \
-    would|will|could|can you be ?so|a GOOD ?ANY as|and|enough ?to ?to VERB; \
+    would|will|could|can you be ?so GOOD ?ANY as|and|enough ?to ?to VERB; \
     would|will you be willing|inclined|prepared|ready|up|open|GOOD ?for ?to VERB|DOING; \
     will|would you care|agree to VERB; \
     would|may|might|could THING be ?too ?much ?trouble ?possible|okay|ok|alright|fine|acceptable ?to ?ask ?for|if ?you ?to|could VERB; \
@@ -51,7 +51,7 @@ const ASKED: &str = "can|could|will|would|might|may not you ?also VERB; \
     fancy|care|mind ?to DOING|VERB; \
     ?be ?there any|a chance|way|possibility ?that|of you ?could|can|might|would VERB|DOING; \
     do you think|reckon|suppose ?that you could ?maybe|perhaps VERB; think|reckon you could|can VERB; \
-    shall|should|can|could we VERB; i =wonder|=wondered ?if|whether you could|would|might VERB; \
+    shall|should|could we VERB; i =wonder|=wondered ?if|whether you could|would|might VERB; \
     i be|was =wondering|=hoping|=thinking ?if|whether ?that you could|would|might|should|can|will VERB";
 /// They say that it is wanted.
 const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=love|=prefer|=expect|=require|=ask|=beg|=urge|=command|=order|=tell ?for you ?now ?to VERB; \
@@ -65,8 +65,8 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
     i ?do|must|would ?strongly|like ?to =suggest|=propose|=recommend|=request|=insist|=say|=vote|=ask|=advise|=demand ?for|on ?that ?you ?to ?should|could|ought VERB|DOING; \
     i ?do|must|would =think|=guess|=believe|=reckon|=say|=feel ?that you should|must|ought|need|have|had ?better ?to VERB; \
     i|we =permit|=allow|=trust|=challenge|=dare|=invite you to VERB; \
-    THING would|might|will be ?so|very|really|much|such|a|of ?very|a ?great GOOD|help|treat|pleasure|thing|idea|service ?thing|idea|help|move|pleasure ?of ?to|for ?you|me ?now|if|to|when ?you ?to|could|would|can|just VERB|PAST; \
-    THING would|will ?really|greatly please|help|delight|suit|make ?me|us ?no|a|my|so ?end|great|day|very ?GOOD|lot|end|deal|day ?lot|deal ?to ?see|if ?you|have ?you ?could|would|can VERB|PAST|DOING; \
+    THING would|might|will be ?so|very|really|much|such|of ?very ?great GOOD|help|treat|pleasure|thing|idea|service ?thing|idea|help|move|pleasure ?of ?to|for ?you|me ?now|if|to|when ?you ?to|could|would|can|just VERB|PAST; \
+    THING would|will ?really|greatly please|help|delight|suit|make ?me|us ?no|my|so ?end|great|day|very ?GOOD|lot|end|deal|day ?lot|deal ?to ?see|if ?you|have ?you ?could|would|can VERB|PAST|DOING; \
     ?i ?=think|=guess ?that THING =is ?high|about|now|your time|turn|chance|job|task|mission ?now|for|that ?you ?to VERB|PAST; \
     THING =is time to get DOING; time for|to ?you ?now ?to VERB|PAST; \
     THING be okay|ok|fine|alright ?now ?for ?you to VERB; \
@@ -80,12 +80,12 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
     you !look|seem|appear|sound|feel|KNOW|CARE BASE; see|check ?out if|whether you can|could VERB; let us|me see|watch|have ?you VERB|DOING; \
     let us ?all|now ?try VERB|DOING; THING|BODY need|want|require|deserve|could|do ?with DOING; \
     go|carry|come|keep ?ahead|on|right ?ahead|on and|then|=to VERB; go ahead|on ?now VERB; go|come VERB; \
-    get DOING; get ?a ?move|busy|straight|going|down|on ?on|to ?to|with|and DOING; \
-    be ?very|ever ?so|a|an GOOD ?ANY ?as|and|enough ?to VERB; \
-    do me|us|yourself|one ?a|the|one ?big|huge|little|great|small|tiny favour|favor|solid|kindness|service|honour|thing ?and|of|by ?to VERB|DOING; \
+    get DOING; get ?move|busy|straight|going|down|on ?on|to ?to|with|and DOING; \
+    be ?very|ever ?so GOOD ?ANY ?as|and|enough ?to VERB; \
+    do me|us|yourself|one ?one ?big|huge|little|great|small|tiny favour|favor|solid|kindness|service|honour|thing ?and|of|by ?to VERB|DOING; \
     make|be sure|certain|see ?that|to ?and ?to ?it ?that ?you ?to VERB; \
-    try|attempt|remember|endeavour|aim|strive|manage|hurry|proceed|begin|start|continue|commence ?your ?best ?up ?hard ?to|and VERB|DOING; \
-    do your best to VERB; =take|=have ?a ?moment|second|minute|time to VERB; feel free|welcome to VERB; \
+    remember to VERB; try|attempt|endeavour|aim|strive|manage|hurry|proceed|begin|start|continue|commence ?your ?best ?up ?hard ?to|and VERB|DOING; \
+    do your best to VERB; =take|=have ?moment|second|minute|time to VERB; feel free|welcome to VERB; \
     do not be shy|afraid|scared|timid|lazy|silly|nervous|worried ?and|to|now VERB; \
     do not worry|hesitate ?and|to|now VERB; \
     have|take|give|make a|another ?ANY go|try|shot|stab|crack|bash|attempt|turn|whirl at|of|on|with DOING; \
@@ -99,29 +99,29 @@ const TOLD: &str = "i|we ?do|really|would ?do|really =want|=need|=like|=wish|=lo
 /// They leave open whether it is.
 const OPEN: &str = "i =think|=guess|=believe|=reckon|=bet ?that you can|could|may|might ?now VERB; \
     THING =is GOOD ?for ?if ?you ?to VERB|PAST; \
-    ?the|my|a GOOD|wish|plan|idea|request|thing ?thing|idea would|=is ?be ?that|for ?you ?to VERB; \
+    ?my GOOD|wish|plan|idea|request|thing ?thing|idea would|=is ?be ?that|for ?you ?to VERB; \
     do|would you feel like DOING; be you up for DOING; \
     can|could|will|would|may ~ THING|HAND GO|come|be NEAR|FAR|BIT|a|ANY; \
     can|could|would|will you be able to VERB; if you would|could|can VERB; \
     ~ THING|HAND|PART may|can|might|could VERB; ~ THING|HAND|PART =goes|=comes|=belongs; \
     can|could|may|might ~ THING be PAST; you can|could|may|might|shall ?now|also ?as ?well VERB; \
     do|would|will|can you ?ever =like|=want|=love|=prefer|=wish to VERB; should|shall you|i VERB; \
-    be you ready|willing ?now to VERB; what if you ?just =tried|=try ?to VERB|DOING; what if you PAST";
+    be you ready|willing ?now to VERB; can we VERB; what if you ?just =tried|=try ?to VERB|DOING; what if you PAST";
 /// What ends a polite request without saying what is wanted.
 const TAGS: &str = "will|would|can|could ?not you ?please|mind|kindly $; \
-    would|will|could you be ?so|a ?very GOOD|love|sport; if you $; \
-    if you ?would|will|could|can|do be ?so|that ?very|a ?ever GOOD|love|sport|willing|able|free|ready|up ?to ?for ?it; \
+    would|will|could you be ?so ?very GOOD|love|sport; if you $; \
+    if you ?would|will|could|can|do be ?so|that ?very ?ever GOOD|love|sport|willing|able|free|ready|up ?to ?for ?it; \
     if you would|can|could|please|like|want|wish|may|will|fancy ?to ?please $; \
     if you would|do not mind|object ?too ?much; \
-    if THING|that be ?okay|ok|not|alright|possible|fine|all|at ?right|too ?much|with|for|a ?trouble|bother|you|problem $; \
-    if THING ?do|would not ?be ?too|bother|trouble|you|a|=suits|=pleases ?much|problem|bother|you ?trouble $; \
+    if THING|that be ?okay|ok|not|alright|possible|fine|all|at ?right|too ?much|with|for ?trouble|bother|you|problem $; \
+    if THING ?do|would not ?be ?too|bother|trouble|you|=suits|=pleases ?much|problem|bother|you ?trouble $; \
     if possible; when|whenever|once you be ?good|quite|all ?and =ready|=set|free|able|done; \
-    when|whenever|as|if you ?get|have|find ?a|the time|chance|moment|second|minute; \
+    when|whenever|as|if you ?get|have|find time|chance|moment|second|minute; \
     when|whenever|as|if you like|please|can|$; as ?soon|fast|quick|well as ?you possible|can|could; \
     there be a GOOD ANY $; for a change; i would|will be ?much|most|so|ever|very GOOD|=grateful $; \
-    i beg ?of you; THING|that would|will be ?so|much|very|all|a GOOD|THANKS ?help ?of ?you $; \
-    THANKS|thank ?you ?in ?very|so ?much|advance|lot $; do|be it now $; for ?the heaven|goodness|god sake; \
-    for ?me|us ?a|one ?moment|second|minute|while|now $";
+    i beg ?of you; THING|that would|will be ?so|much|very|all GOOD|THANKS ?help ?of ?you $; \
+    THANKS|thank ?you ?in ?very|so ?much|advance|lot $; do|be it now $; for heaven|goodness|god sake; \
+    for ?me|us ?one ?moment|second|minute|while|now $";
 /// What says nothing of what is wanted, wherever it stands.
 const FILLERS: &str = "please|kindly|just|simply|now|um|uh|er|hmm; oh|ah|actually|really|very|quite|too|perhaps|maybe; \
     gently|carefully|slowly|softly|quickly|lightly|firmly|immediately|directly; \
@@ -138,7 +138,7 @@ const VOCATIVES: &str = "max mate buddy partner robot friend guys pal sir dear l
 const ABILITY: &str = "can|could THING be =reached|=touched|=grasped|=gripped; \
     can|could|would|will you ?be ?able ?to ?maybe ?still REACH THING|that|there; \
     can|could|would|will you ?be ?able ?to get at|to THING|there|that; \
-    can|could|would|will you be able to TOUCH|GRAB|get|FEEL; be you able; \
+    can|could|would|will you be able to TOUCH|GRAB|get|FEEL; be you able; can|could you get HAND ON THING; \
     you can|could|would ?be ?able ?to REACH THING|that; can|could|would you TOUCH|GRAB !STICK THING from|without; \
     can|could you FEEL|sense|perceive|notice SOME|THING $; can|could you FEEL|sense SOME; \
     =do|=does you =have|=need; you ?should|could|must|might|would =have; would you =have !a|the|another; \

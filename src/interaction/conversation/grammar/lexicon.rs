@@ -27,40 +27,40 @@ const ACTS: &[(&str, &str)] = &[
     ),
     (
         "PUSH",
-        "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl shuffle fling flick bump sling roll steer sweep jog swipe",
+        "push shove slide send nudge shift throw toss thrust scoot propel displace chuck hurl shuffle fling flick bump sling roll steer sweep jog swipe banish shoo boot veer",
     ),
-    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover yank tow reel lug gather"),
+    ("PULL", "bring pull fetch draw drag haul tug retrieve collect recover yank tow reel lug gather rein"),
     (
         "DROP",
-        "release drop free unhand relinquish unclasp ungrip unclench loosen loose unclamp detach disengage unfasten ungrasp",
+        "release drop free unhand relinquish unclasp ungrip unclench loosen loose unclamp detach disengage unfasten ungrasp ditch unhold",
     ),
-    ("LEAN", "lean bend tilt bow stoop hunch incline tip crouch slant slope hinge"),
-    ("STRAIGHTEN", "straighten unbend sit rise uncurl unfold erect unlean"),
+    ("LEAN", "lean bend tilt bow stoop hunch incline tip crouch slant slope hinge pitch"),
+    ("STRAIGHTEN", "straighten unbend sit rise uncurl unfold erect unlean unhunch recline"),
     (
         "SEARCH",
-        "explore search scan scour sweep comb probe survey hunt seek grope fumble rummage scout forage root fish rake trawl patrol browse",
+        "explore search scan scour sweep comb probe survey hunt seek grope fumble rummage scout forage root fish rake trawl patrol browse scope",
     ),
     ("LOOK", "look see"),
     ("FIND", "find locate discover detect encounter spot identify"),
     ("FEEL", "feel sense perceive notice palpate"),
     (
         "EXAMINE",
-        "examine inspect investigate study trace measure check determine verify test learn recognise recognize figure map outline assess analyse analyze ascertain gauge confirm scrutinise scrutinize handle",
+        "examine inspect investigate study trace measure check determine verify test learn recognise recognize figure map outline assess analyse analyze ascertain gauge confirm scrutinise scrutinize handle suss",
     ),
     (
         "RUN",
         "run pass glide wander follow trace slide move go stroke guide draw sweep brush walk wave swing ",
     ),
-    ("AVOID", "avoid dodge evade duck swerve flinch sidestep shun escape elude flee retreat recoil"),
+    ("AVOID", "avoid dodge evade duck swerve flinch sidestep shun escape elude flee retreat recoil scram"),
     ("PROTECT", "protect defend save guard shield"),
     ("GO", "go come move get step return"),
-    ("RELAX", "rest relax unwind chill idle"),
+    ("RELAX", "rest relax unwind chill idle simmer slack"),
     ("FORGET", "forget erase unlearn delete disregard discard purge ignore unremember"),
     (
         "CLEAR",
         "clear clean empty wipe reset flush banish dismiss remove strike drop dump purge blank scrub unremember",
     ),
-    ("REPEAT", "repeat retry redo rerun replay"),
+    ("REPEAT", "repeat retry redo rerun replay ditto rinse"),
     ("TRY", "try attempt"),
     ("DO", "do perform make"),
     ("STOP", "stop interrupt halt cease pause abort cancel desist abandon scrap"),
@@ -89,7 +89,7 @@ const ACTS: &[(&str, &str)] = &[
         matter appreciate thank suggest succeed proceed continue add repeat fit weigh seem appear sound resemble suppose imagine \
         pretend assume manage freeze settle welcome understand obey answer agree refuse fail order allow permit watch listen hear \
         wrap roll lean dare attend undo deserve earn call slump slouch fly approach attack travel sway crash hurtle yield stroll \
-        resume adopt kick jump clap sing dance forbid object ban miss ask happen greet excuse figure cut act react notice remind grope blow carry hide beat identify update fill nail rock bother dismiss depart power wake fidget cry",
+        resume adopt kick jump clap sing dance forbid object ban miss ask happen greet excuse figure cut act react notice remind grope blow carry hide beat identify update fill nail rock bother dismiss depart power wake fidget cry establish kick nod ease",
     ),
 ];
 /// How things are placed and moved, and of which kind they are.
@@ -102,7 +102,7 @@ const RELATIONS: &[(&str, &str)] = &[
     ("NEAR", "near nearer nearest close closer closest nearby here adjacent inward inwards"),
     ("FORWARD", "forward forwards ahead forth"),
     ("UP", "up upward upwards"),
-    ("UPRIGHT", "upright straight erect"),
+    ("UPRIGHT", "upright straight erect tall vertical"),
     ("DOWN", "down downward downwards"),
     ("BACK", "back backward backwards"),
     ("SIDEWAYS", "aside sideways over"),

@@ -279,7 +279,12 @@ impl Language {
 /// What makes it doubtful whether something is wanted, or wanted now.
 const DOUBTFUL: &[&str] = &[
     "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day|=stop|=wait|=halt",
+    // Of somebody else.
+    "him|he|she|somebody|someone",
     "next time",
+    "as i|we|he|she|they",
+    // A question that lacks its "do you": "feel anything".
+    "^ VERB =anything $",
     "ready|prepare to",
 ];
 /// What makes a question whether there is anything one of no thing on the table: "is there anything that you can do?"

@@ -57,12 +57,14 @@ pub(super) fn sideways(pieces: &mut Vec<Piece>) {
                 && !has(side, "to|on")
             || length(behind, "and|then|with|as|using|again|a|some").is_some()
             || measure(&behind[length(behind, "?by").unwrap_or(0)..]).is_some();
+        // "Right to the end" is no side.
+        let straight = has(side, "^ right") && has(behind, "^ to|on|up|next|at|in|over|down|off|away");
         let it = before.last().is_some_and(|last| last.word.text == "it");
         let bare = has(side, "^ left|right")
             && (!ends || has(&before[before.len().saturating_sub(1)..], "your|the|my"));
         let elsewhere = !ends && has(behind, "FAR|NEAR|BACK");
         let placed = it || ends && has(before, "put|place|set|lay|position|stand THING $");
-        if bare || elsewhere || has(side, "on|onto") && !placed {
+        if bare || straight || elsewhere || has(side, "on|onto") && !placed {
             continue;
         }
         let of_another = has(behind, "^ of") && !has(behind, "^ of ?the|your TABLE|you|yourself");

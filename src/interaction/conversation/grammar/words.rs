@@ -37,54 +37,13 @@ impl Word {
 }
 
 /// Short forms, and the words that they stand for.
-const SHORT: &[(&str, &str)] = &[
-    ("cannot", "can not"),
-    ("cant", "can not"),
-    ("wont", "will not"),
-    ("aint", "is not"),
-    ("shant", "shall not"),
-    ("nt", "not"),
-    ("musnt", "must not"),
-    ("dnt", "do not"),
-    ("dnot", "do not"),
-    ("donot", "do not"),
-    ("lets", "let us"),
-    ("im", "i am"),
-    ("ive", "i have"),
-    ("gonna", "going to"),
-    ("wanna", "want to"),
-    ("gotta", "have to"),
-    ("gday", "good day"),
-    ("uhhuh", "yes"),
-    ("lil", "little"),
-    ("infront", "in front"),
-    ("howmany", "how many"),
-    ("gimme", "give me"),
-    ("lemme", "let me"),
-    ("kinda", "kind of"),
-    ("dunno", "do not know"),
-    ("whatcha", "what are you"),
-    ("cmon", "come on"),
-    ("plz", "please"),
-    ("pls", "please"),
-    ("u", "you"),
-    ("ya", "you"),
-    ("ur", "your"),
-    ("r", "are"),
-    ("n", "and"),
-    ("thx", "thanks"),
-    ("ty", "thanks"),
-    ("cya", "bye"),
-    ("abt", "about"),
-    ("hw", "how"),
-    ("wat", "what"),
-    ("tht", "that"),
-    ("cn", "can"),
-    ("yer", "your"),
-    ("em", "them"),
-    ("nd", "and"),
-    ("wd", "would"),
-];
+const SHORT: &str = "cannot: can not, cant: can not, wont: will not, aint: is not, shant: shall not, nt: not, \
+    musnt: must not, dnt: do not, dnot: do not, donot: do not, lets: let us, im: i am, ive: i have, \
+    gonna: going to, wanna: want to, gotta: have to, gday: good day, uhhuh: yes, lil: little, \
+    infront: in front, howmany: how many, gimme: give me, lemme: let me, kinda: kind of, \
+    dunno: do not know, whatcha: what are you, cmon: come on, plz: please, pls: please, u: you, ya: you, \
+    ur: your, r: are, n: and, thx: thanks, ty: thanks, cya: bye, abt: about, hw: how, wat: what, \
+    tht: that, cn: can, yer: your, em: them, nd: and, wd: would";
 /// Helping words with "not" written on: "dont" is "do not".
 const DENIABLE: &str = "do does did is are was were have has had could would should must need ought might";
 /// Words that "is" is written on without an apostrophe: "whats".
@@ -163,7 +122,8 @@ fn mark_of(end: &str) -> Option<Mark> {
 fn resolved(word: &str) -> Vec<String> {
     let listed = |list: &str, word: &str| list.split(' ').any(|other| other == word);
     let bare = word.replace('\'', "");
-    if let Some((_, long)) = SHORT.iter().find(|(short, _)| *short == bare) {
+    let mut short = SHORT.split(", ").filter_map(|pair| pair.split_once(": "));
+    if let Some((_, long)) = short.find(|(short, _)| *short == bare) {
         return vec![long.to_string()];
     }
     if let Some(helping) = bare.strip_suffix("nt").filter(|helping| listed(DENIABLE, helping)) {

@@ -1,7 +1,7 @@
 //! "Is there something in front of you?": it feels about on the table.
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, Intent, Reply, RequestKind, Words};
+use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
 use crate::interaction::FoundThing;
 use crate::interaction::tasks::tried;
 use crate::interaction::things::{KnownThing, ThingId};
@@ -12,56 +12,61 @@ const BEHIND: f64 = 0.15;
 /// What it says where it felt no table.
 const NO_TABLE: &str = "I lowered my hands and felt no table in front of me";
 
-pub(super) const EXPLORE: RequestKind = RequestKind {
-    words: Words {
-        told: "SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of ?over|across|ON|around|at ?the|your|this|what ?ALL TABLE|SPACE|top|front ; \
-            SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round ; \
-            SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE ; \
-            SEARCH|LOOK|FEEL ?AROUND ?with ?HAND SOME ; \
-            see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME ; \
-            see|check what ?you FIND ; see|EXAMINE|FIND if|whether|what .. there|SOME ; \
-            REACH ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH out|FORWARD ?HAND $ ; REACH HAND out|FORWARD $ ; \
-            RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?the|top ?of ?the TABLE|SPACE ; \
-            TOUCH|GRAB|get SOME ; ^ SEARCH ; ^ SEARCH $ ; SEARCH THING|SOME ; GO|RUN|FEEL ?HAND AROUND|over ?the TABLE ; \
-            LOOK|SEARCH ?AROUND AGAIN|MORE|further ; \
-            FIND|discover|see|EXAMINE|FEEL|LOOK ?out what|whatever .. there|on|in|around|before|out|here|TABLE ; \
-            FIND|work out what be ?there|here|on|in|around|before ; what else ; FIND|SEARCH ?me THING|SOME|MORE ; \
-            give TABLE|SPACE|the .. SEARCH|FEEL ; run|bump|come|stumble ?UP into|across|ON SOME ; \
-            have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for ; get to KNOW your|the SPACE|TABLE ; \
-            keep|go ?on =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; FEEL|SEARCH with HAND ; \
-            what be on|in TABLE|SPACE|front ; SEARCH|LOOK|FEEL in front|before|around|AROUND ; REACH for SOME ; \
-            FIND another|more ; LOOK for ; locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; \
-            FEEL for SOME|THING|more ; \
-            make|do|perform|have|take ?a|an ?ANY SEARCH|sweep|scan|exploration|survey ?of ; give TABLE|SPACE ; see|FIND what you come|run|bump across|into|ON ; be|see|FIND what .. TABLE ; what .. in front ; GO =fishing|=looking|=searching|=exploring",
-        asked: "be TABLE empty|bare|clear ; be there one|any ; what you HELPING FIND|see ; \
-            what stand|lie|be|=standing|=lying ON|in TABLE|front ; be there|THING ?in|on|also|still|not|by|you SOME ; \
-            be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
-            be SOME there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; ^ SOME $ ; \
-            ^ any|more SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; HELPING there be SOME ; \
-            what be ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?the|front ?TABLE ; \
-            HELPING you FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|$|near ; \
-            do|be SOME ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME else ; SOME MORE ; \
-            ?if|whether there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; be there THING|SOME ; \
-            SOME there ; SOME within|in ?easy ?your RANGE ; SOME within|in ?easy ?your RANGE ?there ; \
-            what ?THING|SOME ?HELPING be ?out there|here|ON ; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; \
-            be THING|SOME there ; find SOME ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
-            have|do THING|TABLE|SPACE have|hold SOME ON ; \
-            be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; what THING|SOME be ?there ON|in|around ; \
-            FEEL SOME out there ; be SOME ?there ?in|on|at|by & FEEL ; what have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; be their SOME ; \
-            get SOME ?in front|before|there|ON",
-        said: "there ought|must|should|may|might|could ?to be SOME|THING|MORE ; \
-            i think|believe|guess|suppose|bet there be SOME|MORE|THING",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["feel about for things", "felt about for things"],
-        Act::Moves(|creature, request, _| {
-            let hand = creature.hand_for(request.hand);
-            if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
-        }),
-    )
-};
+pub(super) const EXPLORE: RequestKind = RequestKind::new(
+    ["feel about for things", "felt about for things"],
+    Act::Moves(|creature, request, _| {
+        let hand = creature.hand_for(request.hand);
+        if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
+    }),
+)
+.told(
+    "SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of \
+         ?over|across|ON|around|at ?your|this|what ?ALL TABLE|SPACE|top|front ; \
+         SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round ; \
+         SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE ; \
+         SEARCH|LOOK|FEEL ?AROUND ?with ?HAND SOME ; \
+         see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME ; \
+         see|check what ?you FIND ; see|EXAMINE|FIND if|whether|what .. there|SOME ; \
+         REACH ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH out|FORWARD ?HAND $ ; \
+         REACH HAND out|FORWARD $ ; \
+         RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?top ?of \
+         TABLE|SPACE ; TOUCH|GRAB|get SOME ; ^ SEARCH ; ^ SEARCH $ ; SEARCH THING|SOME ; \
+         GO|RUN|FEEL ?HAND AROUND|over TABLE ; LOOK|SEARCH ?AROUND AGAIN|MORE|further ; \
+         FIND|work out what be ?there|here|on|in|around|before ; what else ; \
+         FIND|SEARCH ?me THING|SOME|MORE ; give TABLE|SPACE|the .. SEARCH|FEEL ; \
+         run|bump|come|stumble ?UP into|across|ON SOME ; \
+         have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for ; \
+         keep|go ?on =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; \
+         FEEL|SEARCH with HAND ; what be on|in TABLE|SPACE|front ; \
+         SEARCH|LOOK|FEEL in front|before|around|AROUND ; REACH for SOME ; FIND another|more ; LOOK for ; \
+         locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; FEEL for SOME|THING|more ; \
+         make|do|perform|have|take ?ANY SEARCH|sweep|scan|exploration|survey ?of ; give TABLE|SPACE ; \
+         see|FIND what you come|run|bump across|into|ON ; be|see|FIND what .. TABLE ; what .. in front ; \
+         GO =fishing|=looking|=searching|=exploring ; have a poke|nose|look|feel AROUND|about ; \
+         GO =hunting ; suss|scope ?out TABLE|SPACE ; GO through SOME ; EXAMINE ?out TABLE|SPACE",
+)
+.asked(
+    "be TABLE empty|bare|clear ; be there one|any ; what you HELPING FIND|see ; \
+         what stand|lie|be|=standing|=lying ON|in TABLE|front ; \
+         be there|THING ?in|on|also|still|not|by|you SOME ; \
+         be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
+         be SOME there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; \
+         ^ SOME $ ; ^ any|more SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; \
+         HELPING there be SOME ; \
+         what be ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?front ?TABLE ; \
+         HELPING you FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|$|near ; \
+         do|be SOME ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME else ; \
+         SOME MORE ; ?if|whether there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; \
+         be there THING|SOME ; SOME there ; SOME within|in ?easy ?your RANGE ; \
+         what ?THING|SOME ?HELPING be ?out there|here|ON ; \
+         what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; be THING|SOME there ; find SOME ; \
+         sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
+         be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; FEEL SOME out there ; \
+         what have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; \
+         be their SOME ; get SOME ?in front|before|there|ON ; what lie|stand|be before|in you|front",
+)
+.said("there ought|must|should|may|might|could ?to be SOME|THING|MORE")
+.needs_body();
 
 impl Conversation {
     /// Feels about until something is felt that it does not know yet, and keeps touching it: "is there something?",

@@ -1,29 +1,32 @@
 //! "Feel yourself over", "has your body changed?": it touches itself until it knows its body as it is now.
 
 use super::super::{Conversation, Pending};
-use super::{Act, Acted, Answer, Intent, Reply, RequestKind, Words};
+use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
 use crate::interaction::conversation::grammar::Request;
 use crate::interaction::tasks::FeltOver;
 use crate::named::in_words;
 
-pub(super) const FEEL_OVER: RequestKind = RequestKind {
-    words: Words {
-        past: "have BODY|your ?body changed|=changed",
-        told: "FEEL|TOUCH|pat ?your ?whole|entire yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
-            FEEL|TOUCH|pat yourself|BODY ALL|over|everywhere|anew|AROUND ; \
-            FEEL|TOUCH|pat ALL over ?your yourself|body|BODY ; \
-            EXAMINE|SEARCH|learn|relearn|KNOW|study ?your yourself|body ; \
-            get|become used|accustomed ?to ?your body|limbs ; CALIBRATE ; CALIBRATE ?your|yourself ?body|yourself ; \
-            FIND|work out ?how|what|whether ?your body ; EXAMINE your body ; FEEL your body ; \
-            EXAMINE|FIND|see|test|check .. whether|if|how .. body|limbs|BODY .. changed|=changed|=same|as|still ; body|limbs .. changed ; EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. body|yourself|limbs & !stick ; give yourself|body .. once|check|feel|exam|examination ; update|refresh .. body|yourself ; GO|RUN ?HAND over|along ?your yourself|body|limbs ; FEEL|TOUCH ALL ?over ?of yourself|body ; self ; pat yourself down ; \
-            EXAMINE|check|test ?your PART",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["feel myself over", "felt myself over"],
-        Act::Moves(|creature, _, _| creature.feel_over()),
-    )
-};
+pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
+    ["feel myself over", "felt myself over"],
+    Act::Moves(|creature, _, _| creature.feel_over()),
+)
+.asked("be ?your body ?still same|changed|different|=changed ; have ?your body changed|=changed")
+.past("have BODY|your ?body changed|=changed")
+.told(
+    "FEEL|TOUCH|pat ?your ?whole|entire yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
+         FEEL|TOUCH|pat yourself|BODY ALL|over|everywhere|anew|AROUND ; \
+         FEEL|TOUCH|pat ALL over ?your yourself|body|BODY ; \
+         EXAMINE|SEARCH|learn|relearn|KNOW|study ?your yourself|body ; CALIBRATE ; \
+         CALIBRATE ?your|yourself ?body|yourself ; FIND|work out ?how|what|whether ?your body ; \
+         EXAMINE your body ; FEEL your body ; \
+         EXAMINE|FIND|see|test|check .. whether|if|how .. body|limbs|BODY .. \
+         changed|=changed|=same|as|still ; body|limbs .. changed ; \
+         EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. body|yourself|limbs & !stick ; \
+         give yourself|body .. once|check|feel|exam|examination ; update|refresh .. body|yourself ; \
+         GO|RUN ?HAND over|along ?your yourself|body|limbs ; FEEL|TOUCH ALL ?over ?of yourself|body ; \
+         self ; pat yourself down ; EXAMINE|check|test ?your PART ; body scan|check|test|exam ; \
+         ^ body SEARCH|EXAMINE ; do .. body EXAMINE",
+);
 
 impl Conversation {
     /// Feels itself over, and tells what has changed.

@@ -1,40 +1,41 @@
 //! "Feel its shape": it touches a thing all about with the fingertips of both hands, and tells how large it is.
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, RequestKind, Words};
+use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::conversation::grammar::Request;
 use crate::interaction::things::{KnownShape, KnownThing};
 
-pub(super) const FEEL_SHAPE: RequestKind = RequestKind {
-    words: Words {
-        said: "^ ALL AROUND|over|sides ?THING $",
-        told: "FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE ; \
-            work|find out ?what ?its|the FORM ; RUN .. EDGE|FORM ; FEEL|FIND|EXAMINE|see ?out what THING|SOME be|look ; \
-            FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED ; \
-            RUN ?with ?your HAND|PART ?slowly ?ALL ?the ?way AROUND|over|along THING|the|its|EDGE ; \
-            HAND|PART ?ALL ?the ?way over|around|round|along|across THING ; EXAMINE|SEARCH|palpate THING ; \
-            FEEL ?ALL ?the ?way AROUND|over|about THING ; FEEL|TOUCH THING ALL|over|AROUND|up|from|closely ; \
-            FEEL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is SHAPED|like|box ; \
-            FEEL|FIND|EXAMINE .. whether|if .. SHAPED|SIZED ; \
-            get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL ?for|of|over ; TOUCH THING ALL over|AROUND ; \
-            GO|RUN ?ALL over|AROUND|along ?ALL ?its|the EDGE|THING ; get|come to KNOW|EXAMINE|learn THING|FORM ; \
-            wrap|put|close HAND AROUND THING ; FIND|work|figure|make out what KIND|FORM ; \
-            TOUCH THING in|at|from several|different|MORE|many|other|ALL|various ; ^ FEEL THING $ ; \
-            take|get THING|its|the ?its SIZE ; GO ?ALL ?the ?way AROUND|over|along THING ; \
-            what .. FORM & FEEL|find|work|TOUCH ; FEEL every|ALL ; FEEL EDGE ; learn FORM ; explore THING ; \
-            what ?THING feel like & FEEL ; FEEL THING ; EXAMINE|SEARCH THING ?with HAND ; \
-            EXAMINE|SEARCH THING .. with HAND ; give THING .. FEEL ; give THING .. over with HAND ; FEEL what KIND ; \
-            FIND out what THING ; RUN HAND|PART|finger EDGE|along|over & EDGE ; EXAMINE EDGE|FORM|SIZE ; \
-            describe with HAND ; \
-            TOUCH THING ?ALL .. so|to .. FORM|SIZE|SIZED ; EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each ?face|side|part|bit|face|sides OF THING ; RUN ?HAND over ?every|ALL side|face|part of THING ; MORE contact|points ON THING ; TOUCH THING in|at|from|on .. places|sides|points|spots|times & MORE|NUMBER|ALL|many|different|several",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["feel its shape", "felt its shape"],
-        Act::Handles(|creature, thing, request, _| creature.feel_shape(thing, request)),
-    )
-};
+pub(super) const FEEL_SHAPE: RequestKind = RequestKind::new(
+    ["feel its shape", "felt its shape"],
+    Act::Handles(|creature, thing, request, _| creature.feel_shape(thing, request)),
+)
+.said("^ ALL AROUND|over|sides ?THING $")
+.told(
+    "FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE ; \
+         work|find out ?what ?its FORM ; RUN .. EDGE|FORM ; \
+         FEEL|FIND|EXAMINE|see ?out what THING|SOME be|look ; \
+         FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED ; \
+         RUN ?with ?your HAND|PART ?slowly ?ALL ?way AROUND|over|along THING|the|its|EDGE ; \
+         HAND|PART ?ALL ?way over|around|round|along|across THING ; EXAMINE|SEARCH|palpate THING ; \
+         FEEL ?ALL ?way AROUND|over|about THING ; FEEL|TOUCH THING ALL|over|AROUND|up|from|closely ; \
+         FEEL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is SHAPED|like|box ; \
+         get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL ?for|of|over ; \
+         TOUCH THING ALL over|AROUND ; GO|RUN ?ALL over|AROUND|along ?ALL ?its EDGE|THING ; \
+         get|come to KNOW|EXAMINE|learn THING|FORM ; wrap|put|close HAND AROUND THING ; \
+         FIND|work|figure|make out what KIND|FORM ; \
+         TOUCH THING in|at|from several|different|MORE|many|other|ALL|various ; ^ FEEL THING $ ; \
+         take|get THING|its|the ?its SIZE ; GO ?ALL ?way AROUND|over|along THING ; \
+         what .. FORM & FEEL|find|work|TOUCH ; FEEL every|ALL ; FEEL EDGE ; learn FORM ; explore THING ; \
+         FEEL THING ; EXAMINE|SEARCH THING ?with HAND ; give THING .. FEEL ; FEEL what KIND ; \
+         FIND out what THING ; EXAMINE EDGE|FORM|SIZE ; describe with HAND ; \
+         TOUCH THING ?ALL .. so|to .. FORM|SIZE|SIZED ; \
+         EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each ?face|side|part|bit|face|sides OF THING ; \
+         RUN ?HAND over ?every|ALL side|face|part of THING ; MORE contact|points ON THING ; \
+         TOUCH THING in|at|from|on .. places|sides|points|spots|times & \
+         MORE|NUMBER|ALL|many|different|several ; get the|a lay|idea|sense|picture of ; \
+         ^ ALL AROUND THING ; familiar ?with ; have a fiddle|play with THING",
+)
+.needs_body();
 
 /// Touches of a thing whose shape is to be felt: from so many `bodyschema study shape` measures how well it is known.
 const TOUCHES: usize = 15;

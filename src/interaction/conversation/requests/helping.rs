@@ -2,7 +2,7 @@
 
 use super::super::Conversation;
 use super::super::grammar::UnknownWord;
-use super::{Act, Answer, Intent, Reply, RequestKind, Words};
+use super::{Act, Answer, Intent, Reply, RequestKind};
 
 /// What it can do, as it says it.
 const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt with either \
@@ -11,34 +11,36 @@ stick and touch with it; touch my own body (\"touch your nose\"); \
 tell where a thing or a part of me is, how far, how many, how big, and whether I reach it; lean forward and back; get out of the \
 way of what comes; tell what I did; forget, do it again, rest, keep still. \"Quit\" ends our talk";
 
-pub(super) const HELP: RequestKind = RequestKind {
-    words: Words {
-        told: "show me what you can|do ; ^ usage|manual|instructions|commands|options|menu $ ; assist|help me $ ; \
-            give|show ?me|us .. COMMANDS ; list COMMANDS ; \
-            guide|instruct|help|assist|teach me ; give ?me a|some|any COMMANDS ; walk me through ; what you have got|get",
-        asked: "what ?all you can|could|may do ; how this|THING|that work ; what to SPEAK|TELL|do ; \
-            what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
-            what HELPING|do you|i do $ ; what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; \
-            what be you able|capable|good|for ; \
-            what|which|list|TELL|your|all|give|any ?ALL|of ?THING|the|your|ALL|be ?your COMMANDS ; help ?me|us ?out $ ; \
-            how HELPING|do i|we SPEAK|USE|TELL|get|make|work|GIVE ; your COMMANDS ; \
-            what HELPING i|we SPEAK|TELL|do|try|want ; what be possible ; what be my|the options|choices|possibilities ; \
-            what HELPING be =done|=asked|=said|done|asked ; do you need|have ?any|a COMMANDS ; \
-            be there ?a|any COMMANDS|help ; TELL ?me what you HELPING|KNOW|do|understand ; \
-            what you HELPING|understand|KNOW $ ; what ?KIND ?of ?THING do you understand|KNOW|obey|follow ; \
-            how .. ?to USE you ; what HELPING you help ?me ?with ; what KIND|sort .. requests|COMMANDS ; \
-            what i HELPING|do ; what KIND of THING|SOME HELPING you ; how HELPING i ; \
-            be there SOME ?that you HELPING ; SOME ?that you HELPING do ; \
-            how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do ; \
-            how do you work|function ; \
-            any COMMANDS ; what next|now|else $ ; show me what you ?have ?got|can|know ; what do i do ?now|next ; ^ COMMANDS",
-        said: "^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does THING|it work ; \
-            ^ i be stuck|lost|confused ; ^ i do not KNOW what|how ; what should i ; \
-            ^ what next|now $ ; ^ guide|instruct|assist me ; ^ COMMANDS ?please $ ; ^ sos",
-        ..Words::NONE
-    },
-    ..RequestKind::new(["help", "helped"], Act::Tells(|_, _| Answer::tells(ABILITIES)))
-};
+pub(super) const HELP: RequestKind = RequestKind::new(
+    ["help", "helped"],
+    Act::Tells(|_, _| Answer::tells(ABILITIES)),
+)
+.told(
+    "show me what you can|do ; ^ usage|manual|instructions|commands|options|menu $ ; assist|help me $ ; \
+         give|show ?me|us .. COMMANDS ; list COMMANDS ; guide|instruct|help|assist|teach me ; \
+         give ?me a|some|any COMMANDS ; walk me through ; what you have got|get",
+)
+.asked(
+    "what ?all you can|could|may do ; how this|THING|that work ; what to SPEAK|TELL|do ; \
+         what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING you|i|we \
+         do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
+         what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; what be you able|capable|good|for ; \
+         what|which|list|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS ; \
+         help ?me|us ?out $ ; how HELPING|do i|we SPEAK|USE|TELL|get|make|work|GIVE ; your COMMANDS ; \
+         what HELPING i|we SPEAK|TELL|do|try|want ; what be possible ; \
+         what be my|the options|choices|possibilities ; what HELPING be =done|=asked|=said|done|asked ; \
+         be there ?any COMMANDS|help ; TELL ?me what you HELPING|KNOW|do|understand ; \
+         what you HELPING|understand|KNOW $ ; how .. ?to USE you ; what KIND|sort .. requests|COMMANDS ; \
+         what i HELPING|do ; how HELPING i ; be there SOME ?that you HELPING ; \
+         how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do ; \
+         how do you work|function ; any COMMANDS ; what next|now|else $ ; \
+         show me what you ?have ?got|can|know ; ^ COMMANDS",
+)
+.said(
+    "^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; \
+         ^ how do|does THING|it work ; ^ i be stuck|lost|confused ; what should i ; ^ what next|now $ ; \
+         ^ guide|instruct|assist me ; ^ COMMANDS ?please $ ; ^ sos",
+);
 
 impl Conversation {
     /// What it says where it did not understand: why, and three examples that fit what it knows by now.

@@ -1,31 +1,37 @@
 //! "Let go."
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, RequestKind, Words};
+use super::{Act, Acted, Answer, RequestKind};
 
-pub(super) const LET_GO: RequestKind = RequestKind {
-    words: Words {
-        said: "^ ?BACK DOWN ?THING ?GO $ ; ^ BACK ON TABLE ; ^ BACK where",
-        told: "LET ?THING|SOME go|loose|fall|drop|off|slip|DROP ; LET go ?of ?THING ; DROP THING|SOME ; ^ DROP $ ; \
-            leave go ; leave THING there ; leave THING ON TABLE ; PUT|LOWER|lower|lay|sit THING|SOME ?BACK ?right down|gently ; \
-            PUT|lower|lay DOWN|BACK THING|SOME ; \
-            PUT|lower|lay|sit THING|SOME ?BACK ?down ON ?top ?of ?the THING|SOME|TABLE ; open|unclench HAND ; \
-            open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your|the grip|GRAB|grasp|hold|fist|fingers|THING ?own ?grip|hold ; \
-            take|get|PULL HAND off|away|from ?of ?from THING ; PUT DOWN $ ; let THING be|stay|stand ; \
-            ^ DOWN with THING ; ^ loose|DROP THING|$ ; return THING to THING|the ?TABLE|place ; \
-            PUT|give|return THING BACK ?where|in|there|ON|again|$ ; HAND HELPING GO off ; \
-            ON|back ?the TABLE with THING ; BACK with THING ; HAND off THING ; open ?up ?your HAND ; \
-            release ?your|the hold|grip|THING ; put THING BACK ; THING down ; THING BACK ON ?the TABLE ; \
-            hands|fingers off ; \
-            take|get|PULL|remove|move|withdraw ?away|off|back HAND ?away|off|back from|off ?of THING ; remove HAND ; undo|loosen|lose|open ?up ?your grip|hold|grasp|fist|fingers ; lower THING|SOME ; PUT .. THING|SOME .. down ; PUT|PUSH THING|SOME ?back ON ?the TABLE & !FAR|NEAR|SIDE ; leg go ; LET go|loose ; THING down AGAIN ; have|want|need|like THING BACK|DOWN ; PUT THING|SOME DOWN|BACK ?again ; THING free ; \
-            DROP|PUT|lower|lay|set ?DOWN what|whatever ; PUT .. what you hold DOWN ; \
-            rid of ?your grip|hold",
-        denied: "STOP|cease =holding|=gripping|=grasping|=grabbing|=carrying ; no need|longer|more .. hold|=holding ; \
-            need|have not|longer|to ?to hold|keep ; not|longer hold|keep THING ?any ; not .. hold|GRAB .. longer|more|anymore",
-        ..Words::NONE
-    },
-    ..RequestKind::new(["let go", "let go"], Act::Moves(|creature, _, _| creature.release()))
-};
+pub(super) const LET_GO: RequestKind =
+    RequestKind::new(["let go", "let go"], Act::Moves(|creature, _, _| creature.release()))
+        .said("^ ?BACK DOWN ?THING ?GO $ ; ^ BACK ON TABLE ; ^ BACK where")
+        .told(
+            "LET ?THING|SOME go|loose|fall|drop|off|slip|DROP ; LET go ?of ?THING ; DROP THING|SOME ; \
+         ^ DROP $ ; leave go ; leave THING there ; leave THING ON TABLE ; \
+         PUT|LOWER|lower|lay|sit THING|SOME ?BACK ?right down|gently ; PUT|lower|lay DOWN|BACK THING|SOME ; \
+         PUT|lower|lay|sit THING|SOME ?BACK ?down ON ?top ?of THING|SOME|TABLE ; open|unclench HAND ; \
+         open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your \
+         grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold ; \
+         take|get|PULL HAND off|away|from ?of ?from THING ; PUT DOWN $ ; let THING be|stay|stand ; \
+         ^ DOWN with THING ; ^ loose|DROP THING|$ ; return THING to THING|the ?TABLE|place ; \
+         PUT|give|return THING BACK ?where|in|there|ON|again|$ ; HAND HELPING GO off ; \
+         ON|back TABLE with THING ; BACK with THING ; HAND off THING ; open ?up ?your HAND ; \
+         release ?your hold|grip|THING ; put THING BACK ; THING down ; THING BACK ON TABLE ; \
+         hands|fingers off ; \
+         take|get|PULL|remove|move|withdraw ?away|off|back HAND ?away|off|back from|off ?of THING ; \
+         remove HAND ; undo|loosen|lose|open ?up ?your grip|hold|grasp|fist|fingers ; lower THING|SOME ; \
+         PUT .. THING|SOME .. down ; leg go ; LET go|loose ; THING down AGAIN ; \
+         have|want|need|like THING BACK|DOWN ; PUT THING|SOME DOWN|BACK ?again ; THING free ; \
+         DROP|PUT|lower|lay|set ?DOWN what|whatever ; rid of ?your grip|hold ; release|open ?your HAND ; \
+         finish|end =holding|=carrying|=gripping ; part with THING",
+        )
+        .denied(
+            "STOP|cease =holding|=gripping|=grasping|=grabbing|=carrying ; \
+         no need|longer|more .. hold|=holding ; need|have not|longer|to ?to hold|keep ; \
+         not|longer hold|keep THING ?any ; not .. hold|GRAB .. longer|more|anymore ; \
+         not hold|GRAB ON ?to THING ; not|stop|finish|no =holding",
+        );
 
 impl Conversation {
     /// Lets go of what it holds, and takes its hand back from it.

@@ -1,7 +1,7 @@
 //! "Pick it up."
 
 use super::super::{Conversation, Held};
-use super::{Act, Acted, Answer, RequestKind, SLIPPED, Words};
+use super::{Act, Acted, Answer, RequestKind, SLIPPED};
 use crate::interaction::conversation::grammar::Request;
 use crate::interaction::things::KnownThing;
 
@@ -10,27 +10,25 @@ const HEIGHT: f64 = 0.1;
 /// How often both hands may begin again.
 const CORRECTIONS: usize = 3;
 
-pub(super) const LIFT: RequestKind = RequestKind {
-    words: Words {
-        said: "^ UP ?UP ?you ?come|go $ ; ^ ?UP off ?the TABLE",
-        told: "^ up with THING ; pick .. up ; LIFT|GRAB THING|SOME ?UP ; LIFT|GRAB|get ?UP THING|SOME ; \
-            LIFT THING|SOME|them|UP ?UP|off|high ; LIFT ?UP ?a ?BIT $ ; \
-            get|take|catch|have|keep|lay|GRAB ?a ?GOOD ?firm|tight hold|grip|GRAB ?ON|of|OF THING|SOME ; \
-            PUT|PUSH|take|get|bring|PULL|hold THING|SOME ?BIT up|UP|off|upward & !to ; THING ?UP off|from the TABLE ; \
-            PUT|PUSH|take|get|GRAB THING ?UP off|from ?the|that TABLE ; into|in|to|the|mid air ; UP THING GO ; \
-            ^ LIFT|GRAB $ ; ^ GRAB THING|SOME ; hold THING|SOME ?UP ; take|get|hold THING|SOME in|into|between HAND ; \
-            with HAND LIFT|GRAB THING|SOME ; give THING ?a lift ; THING up ; pick THING ; get|have|take hold|grip ; \
-            GRAB & LIFT ; LIFT HAND ; \
-            carry|hold THING ; get|have|take|keep THING in|between your|BODY ; take|get|bring|have .. THING up|UP|aloft ; HAND round|around THING and LIFT ; THING in the air ; THING off|from ?the TABLE ; LIFT ?up AGAIN ; \
-            hold|GRAB ON THING",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["pick it up", "picked it up"],
-        Act::Handles(|creature, thing, request, _| creature.lift(thing, request)),
-    )
-};
+pub(super) const LIFT: RequestKind = RequestKind::new(
+    ["pick it up", "picked it up"],
+    Act::Handles(|creature, thing, request, _| creature.lift(thing, request)),
+)
+.said("^ UP ?UP ?you ?come|go $ ; ^ ?UP off TABLE ; ^ UP ?she|he ?GO")
+.told(
+    "^ up with THING ; pick .. up ; LIFT|GRAB THING|SOME ?UP ; LIFT|GRAB|get ?UP THING|SOME ; \
+         LIFT THING|SOME|them|UP ?UP|off|high ; LIFT ?UP ?BIT $ ; \
+         get|take|catch|have|keep|lay|GRAB ?GOOD ?firm|tight hold|grip|GRAB ?ON|of|OF THING|SOME ; \
+         PUT|PUSH|take|get|bring|PULL|hold THING|SOME ?BIT up|UP|off|upward & !to ; \
+         THING ?UP off|from the TABLE ; PUT|PUSH|take|get|GRAB THING ?UP off|from ?that TABLE ; \
+         into|in|to|the|mid air ; UP THING GO ; ^ LIFT|GRAB $ ; ^ GRAB THING|SOME ; hold THING|SOME ?UP ; \
+         take|get|hold THING|SOME in|into|between HAND ; with HAND LIFT|GRAB THING|SOME ; give THING lift ; \
+         THING up ; pick THING ; get|have|take hold|grip ; GRAB & LIFT ; LIFT HAND ; carry|hold THING ; \
+         get|have|take|keep THING in|between your|BODY ; take|get|bring|have .. THING up|UP|aloft ; \
+         THING in the air ; THING off|from TABLE ; LIFT ?up AGAIN ; hold|GRAB ON THING ; hold on to THING ; \
+         up|UP|off ?TABLE|ground with THING ; into ?your BODY with THING ; ^ BODY GRAB|LIFT THING",
+)
+.needs_body();
 
 impl Conversation {
     fn lift(&mut self, thing: &KnownThing, request: &Request) -> Acted {

@@ -2,7 +2,7 @@
 
 use super::super::speaking::Placed;
 use super::super::{Conversation, OwnSpot};
-use super::{Act, Answer, RequestKind, Words};
+use super::{Act, Answer, RequestKind};
 use crate::geometry::Capsule;
 use crate::interaction::body_part::{self, BodyPart};
 use crate::interaction::conversation::grammar::{End, PartName, Request};
@@ -10,135 +10,132 @@ use crate::interaction::things::KnownThing;
 use crate::named::in_words;
 use crate::peripersonal::Level;
 
-pub(super) const HOW_FAR: RequestKind = RequestKind {
-    words: Words {
-        asked: "how FAR ; how many cms ; how FAR do you have ?to ; how FAR|distant|NEAR ?away|off ?from|be THING ; \
-            how FAR .. THING ; how NEAR|close be|to|do|THING|$ ; GAP & !close|BODY ; distance|range ; \
-            give|TELL ?me ?the|a|its distance ; distance|range ?to|of|from|between ?THING|it ; the|its distance ; \
-            distance $ ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; the range to|of THING ; \
-            how long|SIZED|FAR a|be way ; how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; \
-            how long be the|your way|REACH ; in ?terms ?of UNIT ; GAP|space between ; how SIZED be the GAP ; \
-            FAR away from ; how FAR off|away|out ; \
-            how FAR .. HELPING|have|must you .. REACH|stretch|GO|move|lean ; what .. distance|GAP ; distance ; by how much|far .. FAR ; how much .. away|off|between ; MORE|less than .. UNIT ; how FAR|close|NEAR ; what .. RANGE ; \
-            ASKING HELPING you TELL|guess|estimate|think .. GAP ; \
-            be THING ?ANY UNIT FAR ; \
-            a long way ?off|away|to ; how many UNIT ?FAR ; how much NEAR|FAR|closer|farther|nearer ; for|of the distance ; give .. distance|GAP ; gauge|estimate .. distance|GAP ; long way off|away",
-        past: "distance ; how FAR|NEAR",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["tell how far it is", "told how far it is"],
-        Act::Tells(|creature, request| creature.how_far(request)),
-    )
-};
+pub(super) const HOW_FAR: RequestKind = RequestKind::new(
+    ["tell how far it is", "told how far it is"],
+    Act::Tells(|creature, request| creature.how_far(request)),
+)
+.asked(
+    "how FAR ; how many cms ; how FAR do you have ?to ; how FAR|distant|NEAR ?away|off ?from|be THING ; \
+         how FAR .. THING ; how NEAR|close be|to|do|THING|$ ; GAP & !close|BODY ; distance|range ; \
+         give|TELL ?me ?its distance ; distance|range ?to|of|from|between ?THING|it ; the|its distance ; \
+         distance $ ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; \
+         the range to|of THING ; how long|SIZED|FAR a|be way ; \
+         how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; in ?terms ?of UNIT ; \
+         GAP|space between ; FAR away from ; how FAR off|away|out ; \
+         how FAR .. HELPING|have|must you .. REACH|stretch|GO|move|lean ; what .. distance|GAP ; distance ; \
+         by how much|far .. FAR ; how much .. away|off|between ; MORE|less than .. UNIT ; \
+         how FAR|close|NEAR ; what .. RANGE ; ASKING HELPING you TELL|guess|estimate|think .. GAP ; \
+         be THING ?ANY UNIT FAR ; a long way ?off|away|to ; how many UNIT ?FAR ; \
+         how much NEAR|FAR|closer|farther|nearer ; for|of the distance ; give .. distance|GAP ; \
+         gauge|estimate .. distance|GAP ; long way off|away",
+)
+.past("distance ; how FAR|NEAR");
 
-pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
-    words: Words {
-        asked: "if|whether you|your|BODY can|could ?ever REACH|TOUCH|get|GRAB ; if|whether THING be ?too FAR|NEAR ; \
-            too FAR|NEAR ; NEAR or|versus|and|not ?FAR ; FAR or|versus|and|not ?NEAR ; or ?a|some ?long way off|away ; \
-            within|in|inside|out|outside|beyond|at ?of ?easy|your|the|HAND|arm ?arm|easy|own RANGE & !put ; REACHABLE ; \
-            too|very FAR|NEAR ; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
-            have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
-            able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching ; \
-            ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe !feel REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; \
-            able ?to REACH|TOUCH|GRAB|get ; able ; REACH THING if|without|with|from ; HELPING you ?ever REACH THING ; \
-            which THING|one|of be ?the NEAR|FAR ; can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; \
-            BODY long|enough ; BODY be ?long enough|long ; REACH THING|SOME|that|there ; get at|to THING ; \
-            get THING without|with|from|if ; HELPING THING be =reached|=touched|=grasped ; \
-            be THING =reached|=touched|=grasped & !already ; near enough ; close enough ; far enough ; \
-            how easily|well|easy & REACH ; FAR $ ; close|near at hand ; to hand ; get that FAR ; get there ; \
-            touch THING from|without ; which ?THING be NEAR ; \
-            HELPING .. need|have ?to LEAN ; possible for you to REACH|TOUCH|get ; inside|in|within|out ?of ?your RANGE ; i|you PUSH|PULL THING NEAR ; stretch|REACH that FAR ; \
-            ^ in|within RANGE $ ; \
-            HELPING you make THING ; REACH as|that|so FAR ; would you REACH THING if",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["tell whether I reach it", "told whether I reach it"],
-        Act::Tells(|creature, request| creature.near_or_far(request)),
-    )
-};
+pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::new(
+    ["tell whether I reach it", "told whether I reach it"],
+    Act::Tells(|creature, request| creature.near_or_far(request)),
+)
+.asked(
+    "if|whether you|your|BODY can|could ?ever REACH|TOUCH|get|GRAB ; \
+         if|whether THING be ?too FAR|NEAR ; too FAR|NEAR ; NEAR or|versus|and|not ?FAR ; \
+         FAR or|versus|and|not ?NEAR ; or ?some ?long way off|away ; \
+         within|in|inside|out|outside|beyond|at ?of ?easy|your|HAND|arm ?arm|easy|own RANGE & !put ; \
+         REACHABLE ; too|very FAR|NEAR ; \
+         be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
+         have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
+         able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to \
+         REACH|TOUCH|get|GRAB|=reaching|=touching ; \
+         ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe !feel \
+         REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; able ?to REACH|TOUCH|GRAB|get ; able ; \
+         REACH THING if|without|with|from ; HELPING you ?ever REACH THING ; \
+         can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; BODY long|enough ; \
+         BODY be ?long enough|long ; REACH THING|SOME|that|there ; get at|to THING ; \
+         get THING without|with|from|if ; HELPING THING be =reached|=touched|=grasped ; near enough ; \
+         close enough ; far enough ; how easily|well|easy & REACH ; FAR $ ; close|near at hand ; to hand ; \
+         get that FAR ; get there ; touch THING from|without ; which ?THING be NEAR ; \
+         HELPING .. need|have ?to LEAN ; inside|in|within|out ?of ?your RANGE ; \
+         i|you PUSH|PULL THING NEAR ; stretch|REACH that FAR ; ^ in|within RANGE $ ; \
+         HELPING you make THING ; REACH as|that|so FAR",
+)
+.needs_body();
 
-pub(super) const WHERE_OWN: RequestKind = RequestKind {
-    words: Words {
-        past: "where .. BODY ?end UP|up ; \
-            where .. you .. BODY",
-        told: "find|locate BODY $ ; show ?me BODY",
-        asked: "where|whereabouts BODY ; where|whereabouts .. BODY ; BODY .. where ; BODY .. where be|have ?THING ; \
-            WHEREABOUTS ?of|are|be BODY ; WHEREABOUTS .. BODY ; be BODY now|there|here|UP|DOWN $ ; \
-            be BODY ?still bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended ; \
-            how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. BODY ; \
-            which|what WHEREABOUTS|side|way|height|level .. BODY ; TELL|know|find BODY $ ; what be BODY do ; \
-            BODY be where|located|now ; how be BODY $ ; BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; \
-            BODY bent ; how BODY =placed|=held|=positioned ; \
-            where .. BODY ?end|GO ?UP ; where|were be BODY",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
+pub(super) const WHERE_OWN: RequestKind = RequestKind::new(
         ["tell where it is", "told where it is"],
         Act::Tells(|creature, request| creature.where_own(request)),
     )
-};
+    .past("where .. BODY ?end UP|up ; where .. you .. BODY")
+    .told("find|locate BODY $ ; show ?me BODY")
+    .asked(
+    "where|whereabouts BODY ; where|whereabouts .. BODY ; BODY .. where ; \
+         BODY .. where be|have ?THING ; WHEREABOUTS ?of|are|be BODY ; WHEREABOUTS .. BODY ; \
+         be BODY now|there|here|UP|DOWN $ ; \
+         be BODY ?still \
+         bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended \
+         ; how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; \
+         how high|low|FAR|bent .. BODY ; which|what WHEREABOUTS|side|way|height|level .. BODY ; \
+         TELL|know|find BODY $ ; what be BODY do ; BODY be where|located|now ; how be BODY $ ; \
+         BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; BODY bent ; \
+         how BODY =placed|=held|=positioned ; where .. BODY ?end|GO ?UP ; where|were be BODY",
+)
+    .needs_body();
 
-pub(super) const WHERE_FELT: RequestKind = RequestKind {
-    words: Words {
-        told: "^ contact where",
-        asked: "where|whereabouts ; where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
-            WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; \
-            which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; which|what .. side ; \
-            be THING ?MORE ?now|STILL|somewhere|UPRIGHT ?to|ON|at|in ?the|your|my left|right|ahead|front|behind|side|above|below|middle ; \
-            be THING in front|straight ; which|what HAND|BODY|limb|hand|arm HELPING|be|FEEL|TOUCH ; \
-            which|what ?of ?your HAND|BODY|part|limb|hand|arm ; with which|what HAND|BODY|part|limb|hand ; \
-            which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY ; left or ?to|on ?ON ?the right ; \
-            left|right|front|behind or ; ^ TELL ?me where $ ; ^ THING be where ; TELL|KNOW|show .. where|side ; \
-            TELL|KNOW|show ?me which|what side|way|direction ; where on|at|in the ; \
-            where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense ; \
-            which|what HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press ; \
-            which|what place|spot|part ?of ?the BODY|body ; where ON you|your|BODY HELPING|be ; LOCATE ; \
-            locate THING & words ; where be THING ?now ; what part|spot ; BODY or|the BODY & FEEL ; be THING SIDE ; \
-            left|right side ; be THING ahead|behind|left|right ; on|to your left|right ; \
-            where .. ON ?your|the BODY|skin|body|you ; where on ?your|the BODY|skin|body|you .. FEEL|contact ; with|by what|which .. FEEL|TOUCH ; what|which HAND|part|finger|limb ; point|indicate where ; \
-            with|by what|which HELPING|do you FEEL|TOUCH ?THING ; \
-            where|whereabouts HELPING|do|be you|THING FEEL|TOUCH ?THING ; \
-            ^ contact where ; behind|front|left|right .. or ; where|which .. contact|touch",
-        past: "left|right or ; where & you|THING|SOME|BODY|HAND ; where",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["tell where I feel it", "told where I feel it"],
-        Act::Tells(|creature, _| creature.where_felt()),
-    )
-};
+pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
+    ["tell where I feel it", "told where I feel it"],
+    Act::Tells(|creature, _| creature.where_felt()),
+)
+.told("^ contact where")
+.asked(
+    "where|whereabouts ; where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
+         WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; \
+         which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; which|what .. side ; \
+         be THING ?MORE ?now|STILL|somewhere|UPRIGHT ?to|ON|at|in ?your|my \
+         left|right|ahead|front|behind|side|above|below|middle ; be THING in front|straight ; \
+         which|what HAND|BODY|limb|hand|arm HELPING|be|FEEL|TOUCH ; \
+         which|what ?of ?your HAND|BODY|part|limb|hand|arm ; with which|what HAND|BODY|part|limb|hand ; \
+         which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY ; left or ?to|on ?ON right ; \
+         left|right|front|behind or ; ^ TELL ?me where $ ; ^ THING be where ; \
+         TELL|KNOW|show .. where|side ; TELL|KNOW|show ?me which|what side|way|direction ; \
+         where on|at|in the ; where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense ; \
+         which|what HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING \
+         FEEL|TOUCH|sense|press ; which|what place|spot|part ?of BODY|body ; \
+         where ON you|your|BODY HELPING|be ; LOCATE ; locate THING & words ; where be THING ?now ; \
+         what part|spot ; be THING SIDE ; left|right side ; be THING ahead|behind|left|right ; \
+         on|to your left|right ; where .. ON ?your BODY|skin|body|you ; \
+         where on ?your BODY|skin|body|you .. FEEL|contact ; with|by what|which .. FEEL|TOUCH ; \
+         what|which HAND|part|finger|limb ; point|indicate where ; \
+         with|by what|which HELPING|do you FEEL|TOUCH ?THING ; \
+         where|whereabouts HELPING|do|be you|THING FEEL|TOUCH ?THING ; ^ contact where ; \
+         behind|front|left|right .. or ; where|which .. contact|touch",
+)
+.past("left|right or ; where & you|THING|SOME|BODY|HAND ; where");
 
-pub(super) const WHAT_FELT: RequestKind = RequestKind {
-    words: Words {
-        asked: "can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
-            what you be FEEL|TOUCH|sense ; what you FEEL ; if|whether you FEEL|TOUCH ; do you FEEL my ; \
-            do THING|you FEEL SOME ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; \
-            do you ?still FEEL ?ANY BODY|my ; ^ FEEL SOME $ ; \
-            what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
-            what|be|do|how .. =touching|=touches|=feeling ; any|which|what|your|the|in ?any|the CONTACT ; \
-            SOME|THING|who|i|what TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at BODY|you|your ; \
-            be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any TOUCH|contact|CONTACT|press|against|hold|FEEL ; \
-            what be in|ON|at|under|against HAND|BODY ; what do you FEEL ; you FEEL|sense|TOUCH|hold ; \
-            ^ =feeling|=touching|=holding|=sensing ; FEEL SOME ; SOME ?else under|at|against|in|beneath|ON HAND|BODY ; \
-            do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING ; hold SOME|THING ; \
-            what ?do your skin|BODY|HAND|receptors TELL|FEEL|notice|TOUCH ; TELL .. what you FEEL ; \
-            you FEEL SOME|THING ?with HAND ; FEEL SOME with|on|against ; be HAND TOUCH|on|against|=touching SOME|THING ; \
-            in CONTACT with ; do THING touch you|BODY ; \
-            have|do|be you|BODY ?have|get ?a hold|grip of ; what .. BODY|HAND .. FEEL|TOUCH|notice|sense ; TELL .. what .. FEEL|sense ; receptors|receptor ; be ?any ?of ?your receptors|skin ANY ; can|could you FEEL THING|that|SOME ?right $ ; \
-            TELL ?me what HAND|BODY be|do FEEL|TOUCH ; \
-            what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; FEEL me ; \
-            ^ ?do ?you =feeling|=sensing|sense|feel ANY|SOME $ ; get|have SOME ?in|ON BODY ; ^ =got SOME ON BODY ; ^ sense|feel|notice SOME $",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["tell what I feel", "told what I feel"],
-        Act::Tells(|creature, _| creature.what_felt()),
-    )
-};
+pub(super) const WHAT_FELT: RequestKind = RequestKind::new(
+    ["tell what I feel", "told what I feel"],
+    Act::Tells(|creature, _| creature.what_felt()),
+)
+.asked(
+    "can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
+         what you be FEEL|TOUCH|sense ; what you FEEL ; if|whether you FEEL|TOUCH ; do you FEEL my ; \
+         do THING|you FEEL SOME ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; \
+         do you ?still FEEL ?ANY BODY|my ; ^ FEEL SOME $ ; \
+         what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
+         what|be|do|how .. =touching|=touches|=feeling ; any|which|what|your|the|in ?any CONTACT ; \
+         SOME|THING|who|i|what TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at \
+         BODY|you|your ; \
+         be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any \
+         TOUCH|contact|CONTACT|press|against|hold|FEEL ; what be in|ON|at|under|against HAND|BODY ; \
+         what do you FEEL ; you FEEL|sense|TOUCH|hold ; ^ =feeling|=touching|=holding|=sensing ; \
+         FEEL SOME ; SOME ?else under|at|against|in|beneath|ON HAND|BODY ; \
+         do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING ; hold SOME|THING ; \
+         what ?do your skin|BODY|HAND|receptors TELL|FEEL|notice|TOUCH ; TELL .. what you FEEL ; \
+         you FEEL SOME|THING ?with HAND ; FEEL SOME with|on|against ; \
+         be HAND TOUCH|on|against|=touching SOME|THING ; in CONTACT with ; do THING touch you|BODY ; \
+         have|do|be you|BODY ?have|get hold|grip of ; what .. BODY|HAND .. FEEL|TOUCH|notice|sense ; \
+         receptors|receptor ; be ?any ?of ?your receptors|skin ANY ; \
+         TELL ?me what HAND|BODY be|do FEEL|TOUCH ; what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; \
+         FEEL me ; ^ ?do ?you =feeling|=sensing|sense|feel ANY|SOME $ ; get|have SOME ?in|ON BODY ; \
+         ^ sense|feel|notice SOME $",
+);
 
 /// Names as they are listed: "a, b and c".
 fn listed(names: &[String]) -> String {

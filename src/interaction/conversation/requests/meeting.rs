@@ -1,60 +1,42 @@
 //! "Hello", "who are you?", "thank you".
 
-use super::{Act, Answer, RequestKind, Words};
+use super::{Act, Answer, RequestKind};
 
-pub(super) const GREET: RequestKind = RequestKind {
-    words: Words {
-        asked: "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
-            you|are|be ?you ok|okay|alright|well $ ; \
-            what be UP $ ; HELLO & how be THING ; \
-            ^ be you there|=awake|wake $ ; ^ you =awake $ ; ^ YES max ; what be new",
-        said: "GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; \
-            ^ GOOD|good morning|afternoon|evening|day ; \
-            ^ ?THING ?be GOOD|nice|pleased|glad|pleasure to|meeting|=meeting|seeing ?MEET|meet|see ?you ; \
-            how be|do you ?doing|feeling|today|going|do|$ ; ^ morning|evening|afternoon ; long time no see ; \
-            ^ HELLO there|BEING ; \
-            good to be back ; make your acquaintance",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["", ""],
-        Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
-    )
-};
+pub(super) const GREET: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
+)
+.asked(
+    "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
+         you|are|be ?you ok|okay|alright|well $ ; what be UP $ ; ^ be you there|=awake|wake $ ; \
+         ^ you =awake $ ; ^ YES max ; what be new",
+)
+.said(
+    "GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; \
+         ^ GOOD|good morning|afternoon|evening|day ; how be|do you ?doing|feeling|today|going|do|$ ; \
+         ^ morning|evening|afternoon ; long time no see ; ^ HELLO there|BEING ; good to be back ; \
+         make your acquaintance",
+);
 
-pub(super) const THANKS: RequestKind = RequestKind {
-    words: Words {
-        past: "THANKS ; you be ?a ?GOOD help ; not thank you ; you =have =been ?a ?GOOD help|GOOD ; you =did GOOD ; \
-            ^ that be ?a|so GOOD ?of ?you ; \
-            i like how|what|that ; you nail THING ; well =played",
-        said: "THANKS ?you|THING|many|much ?for|very|ALL|so|a ?THING|your ?help|much|$ ; you be ?a GOOD help|=doing ; you be =doing well|GOOD ; owe you ; impressed ; not thank you ; THANKS ; \
-            well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; ^ GOOD ?one $ ; GOOD of you ; \
-            you have be|being ?a|of ?GOOD help|helpful|useful|GOOD ; GOOD job|work|effort ; how kind ; \
-            THING be ?a|so ?very GOOD ; you be GOOD ; you be a|the GOOD ; \
-            ^ nice|good|lovely|great one ; way to go ; i be ?so|very|really GOOD|THANKS|grateful ; very|so GOOD ; \
-            ^ what a GOOD ; ^ GOOD job|work|stuff|BEING|going|one ; ^ GOOD $ ; you nail THING ; you rock ; well play|=played ; i like how|what|that ; THING will do nicely",
-        ..Words::NONE
-    },
-    ..RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("You are welcome")))
-};
+pub(super) const THANKS: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(|_, _| Answer::tells("You are welcome")),
+)
+.past(
+    "THANKS ; not thank you ; you =have =been ?GOOD help|GOOD ; you =did GOOD ; \
+         ^ that be ?so GOOD ?of ?you ; i like how|what|that ; you nail THING ; well =played",
+)
+.said(
+    "THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much|$ ; you be =doing well|GOOD ; \
+         owe you ; impressed ; not thank you ; THANKS ; well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; \
+         ^ GOOD ?one $ ; GOOD of you ; GOOD job|work|effort ; how kind ; THING be ?so ?very GOOD ; \
+         you be GOOD ; you be a|the GOOD ; ^ nice|good|lovely|great one ; way to go ; \
+         i be ?so|very|really GOOD|THANKS|grateful ; very|so GOOD ; ^ what a GOOD ; \
+         ^ GOOD job|work|stuff|BEING|going|one ; ^ GOOD $ ; you nail THING ; you rock ; well play|=played ; \
+         i like how|what|that ; THING will do nicely",
+);
 
-pub(super) const WHO: RequestKind = RequestKind {
-    words: Words {
-        told: "INTRODUCE yourself ; TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE|a ?BIT about yourself ; \
-            identify yourself",
-        asked: "who HELPING|be you ; who you be ; who i be ?=talking|=speaking ; your name ; who|what ?you|exactly be you ; \
-            who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; \
-            which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; ^ ?and you be $ ; \
-            what be your name ; you have ?a name ; what be you $ ; \
-            be you ?a|an|the|called|named BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; \
-            how be you =called ; call|named|name you ; you be BEING|right|real ; who be =speaking|=talking|there|this ; \
-            people call you ; TELL .. who you be ; what you be|call|called ; about yourself ; \
-            what HELPING|be i call you ; be this|that BEING ; \
-            you be who ; \
-            who go|be there|this ; which|what BEING be this|THING|you ; what be this program ; identify|introduce yourself ; state ?your name",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
+pub(super) const WHO: RequestKind = RequestKind::new(
         ["tell who I am", "told who I am"],
         Act::Tells(|creature, _| {
             let name = creature.actor.own.creature().name();
@@ -66,4 +48,19 @@ pub(super) const WHO: RequestKind = RequestKind {
             ))
         }),
     )
-};
+    .told(
+    "INTRODUCE yourself ; TELL|give ?me|us ?your who|name|yourself $ ; \
+         TELL ?me ?SOME|MORE ?BIT about yourself ; identify yourself",
+)
+    .asked(
+    "who HELPING|be you ; who you be ; who i be ?=talking|=speaking ; your name ; \
+         who|what ?you|exactly be you ; who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; \
+         which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; \
+         ^ ?and you be $ ; what be your name ; you have name ; what be you $ ; \
+         be you ?called|named BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; \
+         how be you =called ; call|named|name you ; you be BEING|right|real ; \
+         who be =speaking|=talking|there|this ; people call you ; TELL .. who you be ; \
+         what you be|call|called ; about yourself ; what HELPING|be i call you ; be this|that BEING ; \
+         you be who ; who go|be there|this ; which|what BEING be this|THING|you ; what be this program ; \
+         identify|introduce yourself ; state ?your name",
+);

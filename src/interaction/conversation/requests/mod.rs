@@ -114,6 +114,42 @@ impl RequestKind {
     const fn new(doing: [&'static str; 2], act: Act) -> RequestKind {
         RequestKind { doing, words: Words::NONE, needs_body: false, act }
     }
+
+    /// By which it is told or asked to do it.
+    const fn told(mut self, patterns: &'static str) -> RequestKind {
+        self.words.told = patterns;
+        self
+    }
+
+    /// By which an answer is asked for.
+    const fn asked(mut self, patterns: &'static str) -> RequestKind {
+        self.words.asked = patterns;
+        self
+    }
+
+    /// By which it is asked of what was.
+    const fn past(mut self, patterns: &'static str) -> RequestKind {
+        self.words.past = patterns;
+        self
+    }
+
+    /// By which it is meant where something is denied.
+    const fn denied(mut self, patterns: &'static str) -> RequestKind {
+        self.words.denied = patterns;
+        self
+    }
+
+    /// By which it is said alone, in whatever sentence.
+    const fn said(mut self, patterns: &'static str) -> RequestKind {
+        self.words.said = patterns;
+        self
+    }
+
+    /// It must know its body for it.
+    const fn needs_body(mut self) -> RequestKind {
+        self.needs_body = true;
+        self
+    }
 }
 
 /// Names the requests, a line each.

@@ -1,7 +1,7 @@
 //! "Put it as far away as possible", "bring it near", and "push it to the left".
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, RequestKind, SLIPPED, Words};
+use super::{Act, Acted, Answer, RequestKind, SLIPPED};
 use crate::interaction::conversation::grammar::{Aside, Request};
 use crate::interaction::tasks::{Spot, tried};
 use crate::interaction::things::KnownThing;
@@ -21,85 +21,86 @@ const ASIDE: f64 = 0.15;
 /// How much effort is made to find the farthest place.
 const EFFORT: usize = 2;
 
-pub(super) const PUT_FAR: RequestKind = RequestKind {
-    words: Words {
-        said: "^ to FAR end|side|edge ; ^ FAR $ ; ^ ON other|opposite end|side",
-        told: "PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR ; \
-            PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across ; \
-            PUT|PUSH|PULL|take|get|carry THING|SOME ?straight|right|ALL ?the ?way out|FORWARD|outward|outwards|across|beyond|aside|yonder ; \
-            PUT|PUSH|take|get|carry|REACH|hold .. arms|BODY|full|at|arm|maximum|max|maximal|your LENGTH|extent|range ; \
-            out of ?my|your|the|easy ?easy reach|range ; get|be|make ?yourself rid of ; \
-            increase|widen|maximise|maximize|extend|lengthen ?the|a|its|THING ?a GAP ; PUSH THING|SOME ; \
-            give THING ?a ?BIT ?GOOD PUSH ; ^ ?as FAR ?away|off as .. ; ^ PUT|PUSH|take|move ?as|so|very|BIT|MORE FAR ; \
-            PUT|PUSH|get|take|carry THING|SOME out of ; ^ ?even|a|as|much|BIT FARTHER ?away|off|out|as $ ; \
-            ^ ?BIT FARTHER ; ^ ?BIT MORE FARTHER ; \
-            PUT THING ON|behind|beyond|near ?the|very far|other|farther|opposite|distance|back|end ; \
-            MORE GAP|distance|space|room between|from ; make|LET THING ?be|GO|stand ?MORE FAR ; \
-            LET|have THING ?at ?a FAR|distance ; THING at a distance ; THING to ?the FAR end ; FAR with THING ; \
-            away with THING ; THING ?to ?could|should|must ?to =be|GO ?even|BIT ?MORE FAR ; \
-            PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between ; \
-            PUT|PUSH|take THING ON ?the ?very|far other|far|opposite|back end|side|edge|of|part ; \
-            THING as FAR as|possible ; as FAR as .. ; PUSH THING|SOME FAR ?from ?you ; \
-            PUT THING FAR ?from you|BODY|here ; THING FAR & !be|how|where|which ; PUSH|PUT THING away|off ; ^ PUSH $ ; \
-            send|throw|toss|thrust THING ; \
-            PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring & THING|SOME & FAR & !NEAR|too|or|how ; PUT|PUSH & THING|SOME & GAP|LENGTH|RANGE ; THING .. way off|away|out ; THING .. only|just|barely REACH ; PUT|PUSH .. THING .. where .. only|just|barely ; GAP THING from ; THING at|on|to ?the|its|a ?very FAR|back|other|opposite|maximum|greatest end|edge|side|back|GAP|place ; make|clear room|space ; \
-            THING .. FAR ?away|off & !be|how|where|which|NEAR|too ; \
-            PUT|PUSH|get|take|bring|GO THING .. ON other|opposite|far|back end|side|edge|half ; \
-            ^ WANTED .. FAR & THING & !too|how|NEAR|or",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["put it far away", "put it far away"],
-        Act::Handles(|creature, thing, request, _| creature.put(Goal::Far, thing, request)),
-    )
-};
+pub(super) const PUT_FAR: RequestKind = RequestKind::new(
+    ["put it far away", "put it far away"],
+    Act::Handles(|creature, thing, request, _| creature.put(Goal::Far, thing, request)),
+)
+.said("^ to FAR end|side|edge ; ^ FAR $ ; ^ ON other|opposite end|side")
+.told(
+    "PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR ; \
+         PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across ; \
+         PUT|PUSH|PULL|take|get|carry THING|SOME ?straight|right|ALL ?way \
+         out|FORWARD|outward|outwards|across|beyond|aside|yonder ; \
+         PUT|PUSH|take|get|carry|REACH|hold .. arms|BODY|full|at|arm|maximum|max|maximal|your \
+         LENGTH|extent|range ; get|be|make ?yourself rid of ; \
+         increase|widen|maximise|maximize|extend|lengthen ?its|THING GAP ; PUSH THING|SOME ; \
+         give THING ?BIT ?GOOD PUSH ; ^ ?as FAR ?away|off as .. ; \
+         ^ PUT|PUSH|take|move ?as|so|very|BIT|MORE FAR ; PUT|PUSH|get|take|carry THING|SOME out of ; \
+         ^ ?even|as|much|BIT FARTHER ?away|off|out|as $ ; ^ ?BIT FARTHER ; ^ ?BIT MORE FARTHER ; \
+         MORE GAP|distance|space|room between|from ; make|LET THING ?be|GO|stand ?MORE FAR ; \
+         THING at a distance ; THING to FAR end ; FAR with THING ; away with THING ; \
+         THING ?to ?could|should|must ?to =be|GO ?even|BIT ?MORE FAR ; \
+         PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between ; \
+         PUT|PUSH|take THING ON ?very|far other|far|opposite|back end|side|edge|of|part ; \
+         THING as FAR as|possible ; as FAR as .. ; PUSH THING|SOME FAR ?from ?you ; \
+         PUT THING FAR ?from you|BODY|here ; THING FAR & !be|how|where|which ; PUSH|PUT THING away|off ; \
+         ^ PUSH $ ; send|throw|toss|thrust THING ; \
+         PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring & THING|SOME & \
+         FAR & !NEAR|too|or|how ; PUT|PUSH & THING|SOME & GAP|LENGTH|RANGE ; THING .. way off|away|out ; \
+         THING .. only|just|barely REACH ; PUT|PUSH .. THING .. where .. only|just|barely ; \
+         GAP THING from ; \
+         THING at|on|to ?its ?very FAR|back|other|opposite|maximum|greatest end|edge|side|back|GAP|place ; \
+         make|clear room|space ; THING .. FAR ?away|off & !be|how|where|which|NEAR|too ; \
+         PUT|PUSH|get|take|bring|GO THING .. ON other|opposite|far|back end|side|edge|half ; \
+         ^ WANTED .. FAR & THING & !too|how|NEAR|or ; rid|shot of THING ; FAR ?ANY with THING ; \
+         out ?to ?edge|end with THING ; FAR corner|end|side|edge",
+)
+.needs_body();
 
-pub(super) const BRING_NEAR: RequestKind = RequestKind {
-    words: Words {
-        said: "^ ?over this way $ ; ^ ?NEAR ON you|yourself $ ; ^ NEAR $",
-        told: "PULL ?THING|SOME ?BIT NEAR & !FAR ; PULL ?me THING|SOME & !FAR|away|off|UP ; \
-            PUT|PUSH|PULL|take|get|make|have|let|LET|want|carry THING|SOME ?a ?BIT ?MORE ?right|UP|over|back|in ?to NEAR & !FAR ; \
-            PUT|PUSH|PULL|take|get|make|carry THING|SOME .. ?right|over|up|just|back ?close|near ON|by|near|beside|next|before|against|into ?in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap & !FAR|away ; \
-            THING ?to ?could|should|must ?to =be|GO ?a ?BIT ?MORE NEAR ; ^ ?BIT ?MORE =closer|=nearer ?please $ ; ^ BIT ?MORE NEAR ; \
-            reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?the|its|your GAP ; \
-            like|want|need|have THING ?a ?BIT ?MORE NEAR ; ^ PULL|fetch|draw|drag $ ; come ?BACK|NEAR with THING ; \
-            make THING ?come|be ?MORE NEAR ; ^ ?over here $ ; \
-            PUT|PUSH|get|take THING in front of you|yourself|BODY|PART ; THING NEAR & !be ; \
-            THING right in front of you|yourself|BODY ; PULL THING ?BACK in|up|back|over|here|ON|your|closer ; \
-            PULL THING ON you|yourself|BODY|me ; PUSH|PUT THING your way ; \
-            PUT|PUSH|get|take|want|like|have THING right in front of ; PUT|PUSH THING back to you|me ; \
-            bring|get THING here|over|back & !FAR ; PULL in THING ; shift|PUSH THING ON you|yourself|BODY|me ; PULL BACK ; \
-            PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring|return & THING|SOME & NEAR & !FAR|too|or|how ; PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set THING|SOME .. ON|next|before|beside|by|near ?to you|yourself|me ; PUT|PUSH|PULL|move|bring THING|SOME this|your way ; PUT|PUSH|PULL THING .. before|next you|yourself ; PULL THING|SOME in ; \
-            THING ?right next|beside|before|by ?to you|yourself|me|PART ; \
-            THING .. NEAR & !be|how|where|which|FAR ; \
-            PUT|PUSH|PULL|bring THING .. your|this way|direction ; \
-            ^ WANTED .. NEAR & THING & !too|how|FAR|or",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["bring it near", "brought it near"],
-        Act::Handles(|creature, thing, request, _| creature.put(Goal::Near, thing, request)),
-    )
-};
+pub(super) const BRING_NEAR: RequestKind = RequestKind::new(
+    ["bring it near", "brought it near"],
+    Act::Handles(|creature, thing, request, _| creature.put(Goal::Near, thing, request)),
+)
+.said("^ ?over this way $ ; ^ ?NEAR ON you|yourself $ ; ^ NEAR $")
+.told(
+    "PULL ?THING|SOME ?BIT NEAR & !FAR ; PULL ?me THING|SOME & !FAR|away|off|UP ; \
+         PUT|PUSH|PULL|take|get|make|have|let|LET|want|carry THING|SOME ?BIT ?MORE ?right|UP|over|back|in \
+         ?to NEAR & !FAR ; \
+         PUT|PUSH|PULL|take|get|make|carry THING|SOME .. ?right|over|up|just|back ?close|near \
+         ON|by|near|beside|next|before|against|into ?in ?front ?of ?your|to ?own \
+         you|me|yourself|PART|here|body|lap & !FAR|away ; \
+         THING ?to ?could|should|must ?to =be|GO ?BIT ?MORE NEAR ; ^ ?BIT ?MORE =closer|=nearer ?please $ ; \
+         ^ BIT ?MORE NEAR ; \
+         reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?its|your GAP ; \
+         ^ PULL|fetch|draw|drag $ ; come ?BACK|NEAR with THING ; make THING ?come|be ?MORE NEAR ; \
+         ^ ?over here $ ; THING NEAR & !be ; THING right in front of you|yourself|BODY ; \
+         PULL THING ?BACK in|up|back|over|here|ON|your|closer ; PULL THING ON you|yourself|BODY|me ; \
+         PUSH|PUT THING your way ; PULL in THING ; shift|PUSH THING ON you|yourself|BODY|me ; PULL BACK ; \
+         PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring|return & \
+         THING|SOME & NEAR & !FAR|too|or|how ; \
+         PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set THING|SOME .. \
+         ON|next|before|beside|by|near ?to you|yourself|me ; \
+         PUT|PUSH|PULL|move|bring THING|SOME this|your way ; PULL THING|SOME in ; \
+         THING ?right next|beside|before|by ?to you|yourself|me|PART ; \
+         PUT|PUSH|PULL|bring THING .. your|this way|direction ; \
+         ^ WANTED .. NEAR & THING & !too|how|FAR|or ; NEAR with THING ; to ?your BODY|you with THING ; \
+         ^ WANTED at|by|near BODY|you ; ^ in front of BODY|you $ ; come .. with THING ; THING by BODY|you",
+)
+.needs_body();
 
-pub(super) const PUT_ASIDE: RequestKind = RequestKind {
-    words: Words {
-        told: "SIDE ; PUT|PUSH|PULL|take|get|give|make|keep|want .. SIDE ; VERB .. SIDE ; \
-            PUT|PUSH|PULL|take|get THING|SOME ?a ?BIT SIDE ; THING|SOME & SIDE ; PUSH|PUT & THING|SOME & SIDE ; \
-            THING|SOME .. SIDE ; SIDE with THING",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["move it to the side", "moved it to the side"],
-        Act::Handles(|creature, thing, request, _| match request.aside {
-            Some(aside) => creature.put(Goal::Aside(aside), thing, request),
-            None => Ok(Answer::failed("I do not know to which side I am to move it")),
-        }),
-    )
-};
+pub(super) const PUT_ASIDE: RequestKind = RequestKind::new(
+    ["move it to the side", "moved it to the side"],
+    Act::Handles(|creature, thing, request, _| match request.aside {
+        Some(aside) => creature.put(Goal::Aside(aside), thing, request),
+        None => Ok(Answer::failed("I do not know to which side I am to move it")),
+    }),
+)
+.told(
+    "SIDE ; PUT|PUSH|PULL|take|get|give|make|keep|want .. SIDE ; VERB .. SIDE ; \
+         PUT|PUSH|PULL|take|get THING|SOME ?BIT SIDE ; THING|SOME & SIDE ; PUSH|PUT & THING|SOME & SIDE ; \
+         THING|SOME .. SIDE ; SIDE with THING ; ^ SIDE ; ^ PUSH|PUT|GO SIDE",
+)
+.needs_body();
 
 /// Where a thing is to be put.
 #[derive(Clone, Copy)]

@@ -1,40 +1,42 @@
 //! "What did you do?", "did you touch it?"
 
 use super::super::Conversation;
-use super::{Act, Answer, Intent, RequestKind, Words};
+use super::{Act, Answer, Intent, RequestKind};
 use crate::interaction::conversation::grammar::Request;
 use crate::interaction::conversation::mind::Deed;
 
 /// How many of the last things that it did are told.
 const LAST: usize = 4;
 
-pub(super) const REPORT: RequestKind = RequestKind {
-    words: Words {
-        told: "^ summarise|summarize|recap|recount|sum ; ^ report ; \
-            TELL|give ?me|us ?a|the ?short|brief story|summary|report|account|recap|rundown ; \
-            update|brief|debrief me ; fill me in ; bring me up ?to date|speed ; the result|outcome|upshot|summary|story",
-        asked: "what HAPPEN ; if|whether THING|that|you =worked|work|PAST|have|did ; what you =did|=have|PAST ; \
-            TELL|KNOW ?me ?what you =did|=have|done ; TELL .. whether|if you =have|=did ; how many times ; what =went ; \
-            what ?have HAPPEN ; TELL|say what HAPPEN ; how do|be THING|that go|went|turn ; success|successful ; \
-            what be result|outcome|upshot ; what =went|=goes wrong|well|right ; \
-            be you|THING|ALL =done|=finished|finish|successful|through ; any luck|success|progress|news ; \
-            TELL .. what you do ; summary|report|recap|recount ; status|progress ; TELL .. you =did|=done|=did|PAST ; \
-            what be|have you|HAND =doing|=done ; \
-            ^ ?ALL =done|=finished $ ; \
-            any luck|joy|success|progress|news|result ; how would THING go ; what have be =going|=happening on ; =going|=happening on ; the result|outcome|upshot",
-        past: "you ; what be that $ ; what|how|where =went|go ; how many time|times & you ; \
-            what be the result|outcome|upshot ; you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
-            THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; \
-            ^ ?so|and =did|=has|=had|=was|=have THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; which HAND ; \
-            what|which ?THING .. you ; THING =moved|=put|=done ; anything ; how THING|that go ; be THING PAST ; \
-            ^ HELPING|be you|THING|SOME ; \
-            how .. THING .. turn|go|went|work ; be there ?any problem|trouble|difficulty ; how .. that ; problem|trouble ; \
-            everything GO|work ; \
-            what come|came of|out ; your|the last|latest|previous ANY ; how many .. =need|need ; what have =been",
-        ..Words::NONE
-    },
-    ..RequestKind::new(["report", "reported"], Act::Tells(|creature, request| creature.report(request)))
-};
+pub(super) const REPORT: RequestKind =
+    RequestKind::new(["report", "reported"], Act::Tells(|creature, request| creature.report(request)))
+        .told(
+            "^ summarise|summarize|recap|recount|sum ; ^ report ; \
+         TELL|give ?me|us ?short|brief story|summary|report|account|recap|rundown ; \
+         update|brief|debrief me ; fill me in ; the result|outcome|upshot|summary|story",
+        )
+        .asked(
+            "what HAPPEN ; if|whether THING|that|you =worked|work|PAST|have|did ; what you =did|=have|PAST ; \
+         TELL .. whether|if you =have|=did ; how many times ; what =went ; what ?have HAPPEN ; \
+         TELL|say what HAPPEN ; how do|be THING|that go|went|turn ; success|successful ; \
+         what be result|outcome|upshot ; what =went|=goes wrong|well|right ; \
+         be you|THING|ALL =done|=finished|finish|successful|through ; any luck|success|progress|news ; \
+         summary|report|recap|recount ; status|progress ; TELL .. you =did|=done|=did|PAST ; \
+         what be|have you|HAND =doing|=done ; ^ ?ALL =done|=finished $ ; \
+         any luck|joy|success|progress|news|result ; how would THING go ; =going|=happening on ; \
+         the result|outcome|upshot",
+        )
+        .past(
+            "you ; what be that $ ; what|how|where =went|go ; how many time|times & you ; \
+         what be the result|outcome|upshot ; you|BODY|HAND|THING|SOME PAST ; \
+         what ?be result|outcome|upshot ; THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; \
+         ^ ?so|and =did|=has|=had|=was|=have THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; \
+         which HAND ; what|which ?THING .. you ; THING =moved|=put|=done ; anything ; how THING|that go ; \
+         be THING PAST ; ^ HELPING|be you|THING|SOME ; how .. THING .. turn|go|went|work ; \
+         be there ?any problem|trouble|difficulty ; how .. that ; problem|trouble ; everything GO|work ; \
+         what come|came of|out ; your|the last|latest|previous ANY ; how many .. =need|need ; \
+         what have =been",
+        );
 
 impl Conversation {
     fn report(&self, request: &Request) -> Answer {

@@ -1,57 +1,54 @@
 //! "How big is it?", "what shape is it?": from what feeling its shape told; before that from where it was felt, which is little.
 
 use super::super::Conversation;
-use super::{Act, Answer, RequestKind, Words};
+use super::{Act, Answer, RequestKind};
 use crate::interaction::things::KnownShape;
 use crate::peripersonal::FeltLength;
 
 /// A length whose deviation is above this is known roughly only, metres.
 const ROUGHLY: f64 = 0.005;
 
-pub(super) const HOW_BIG: RequestKind = RequestKind {
-    words: Words {
-        asked: "how ?SIZED SIZED ; how SIZED .. THING ; as SIZED as ; how SIZED do THING FEEL|look|seem ; \
-            TELL|give ?me ?about ?the|its SIZE ; SIZE ; be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED ; \
-            bigger|smaller|larger|taller|wider|longer|higher ?or|than ; bigger|smaller|larger|taller|wider|longer than ; \
-            what do THING measure ; fit in|into|inside|between ?one|your HAND|BODY ; SIZED or SIZED ; what SIZE ; \
-            SIZE of THING ; idea how SIZED ; THING ?be SIZED ; measure THING ; be THING SOME & SIZED ; \
-            how SIZED ?be|do ; how much space|room .. take|have ; UNIT SIZED ; how many UNIT SIZED ; how SIZED be THING from ; what .. SIZE ; how SIZED .. be ; small|big|large enough",
-        past: "how SIZED ; SIZE",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["tell how big it is", "told how big it is"],
-        Act::Tells(|creature, _| Answer::tells(creature.size_in_words())),
-    )
-};
+pub(super) const HOW_BIG: RequestKind = RequestKind::new(
+    ["tell how big it is", "told how big it is"],
+    Act::Tells(|creature, _| Answer::tells(creature.size_in_words())),
+)
+.asked(
+    "how ?SIZED SIZED ; how SIZED .. THING ; as SIZED as ; how SIZED do THING FEEL|look|seem ; \
+         TELL|give ?me ?about ?its SIZE ; SIZE ; \
+         be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED ; \
+         bigger|smaller|larger|taller|wider|longer|higher ?or|than ; \
+         bigger|smaller|larger|taller|wider|longer than ; what do THING measure ; \
+         fit in|into|inside|between ?one|your HAND|BODY ; SIZED or SIZED ; what SIZE ; SIZE of THING ; \
+         idea how SIZED ; THING ?be SIZED ; measure THING ; be THING SOME & SIZED ; how SIZED ?be|do ; \
+         how much space|room .. take|have ; UNIT SIZED ; how many UNIT SIZED ; what .. SIZE ; \
+         how SIZED .. be ; small|big|large enough",
+)
+.past("how SIZED ; SIZE");
 
-pub(super) const WHAT_SHAPE: RequestKind = RequestKind {
-    words: Words {
-        told: "describe THING|SOME|its ; TELL ?me ?about its|the FORM",
-        asked: "HELPING THING be SOME ; THING ?be ?MORE|like|a SHAPED ; FORM ; what ?be FORM ; \
-            be|do THING|SOME|they ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?a|an|be ?be ?like SHAPED ; \
-            be|do THING|SOME ?seem|feel|look ?MORE ?like|to ?be ?a SOME ; be THING ?MORE ?like a|an ; \
-            describe THING|SOME|its ; \
-            what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME ?look|feel|seem|be ?like|resemble ; \
-            what do THING look|feel|seem|resemble ?like ; what .. THING look|feel ?like ; \
-            what KIND of THING|SOME ?be|have|do|$ ; SHAPED or|and|nor SHAPED ; any SHAPED|EDGE ON|$ ; \
-            THING have SHAPED|EDGE ; be there any SHAPED|EDGE ; MORE like a|an|SOME ; SOME or SOME ; call THING SHAPED ; \
-            what be THING $ ; what FORM ; have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; \
-            TELL|know what THING be $ ; be THING SOME ; what could|might THING be ; SHAPED or ; \
-            recognise|recognize|identify THING ; what THING|that be ; do ?you ?KNOW what THING be ; what be THING|this|that ; be|do ?its|the side|sides|top|edges|surface SHAPED ; what ?HELPING you TELL|say|KNOW ?me about|of THING|its ; how do THING FEEL ; how HELPING you describe|call THING|its ; THING SHAPED ; how be THING SHAPED ; any SHAPED ; what ?KIND ?of SOME|THING|BEING be THING|this|that ; \
-            THING be .. SHAPED ; \
-            description ; how be THING FORM ; \
-            how do THING FEEL|look|seem ; what do you take THING for ; what do FORM FEEL|look|seem like ; \
-            what have ?you ?we get|=got there|here ; impression of ; what HELPING you call THING ; what do you make of THING ; how many side|sides|corners|edges|faces ; what you think THING be ; make out ?its|the FORM",
-        past: "FORM ; SHAPED ; \
-            what KIND",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["tell its shape", "told its shape"],
-        Act::Tells(|creature, _| Answer::tells(creature.shape_in_words())),
-    )
-};
+pub(super) const WHAT_SHAPE: RequestKind = RequestKind::new(
+    ["tell its shape", "told its shape"],
+    Act::Tells(|creature, _| Answer::tells(creature.shape_in_words())),
+)
+.told("describe THING|SOME|its ; TELL ?me ?about its|the FORM")
+.asked(
+    "HELPING THING be SOME ; THING ?be ?MORE|like SHAPED ; FORM ; what ?be FORM ; \
+         be|do THING|SOME|they ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?be ?be ?like SHAPED ; \
+         be|do THING|SOME ?seem|feel|look ?MORE ?like|to ?be SOME ; describe THING|SOME|its ; \
+         what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME ?look|feel|seem|be ?like|resemble ; \
+         what .. THING look|feel ?like ; what KIND of THING|SOME ?be|have|do|$ ; SHAPED or|and|nor SHAPED ; \
+         any SHAPED|EDGE ON|$ ; THING have SHAPED|EDGE ; be there any SHAPED|EDGE ; MORE like a|an|SOME ; \
+         SOME or SOME ; call THING SHAPED ; what be THING $ ; what FORM ; \
+         have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; be THING SOME ; \
+         what could|might THING be ; SHAPED or ; recognise|recognize|identify THING ; what THING|that be ; \
+         what be THING|this|that ; be|do ?its side|sides|top|edges|surface SHAPED ; \
+         what ?HELPING you TELL|say|KNOW ?me about|of THING|its ; how do THING FEEL ; \
+         how HELPING you describe|call THING|its ; THING SHAPED ; how be THING SHAPED ; any SHAPED ; \
+         THING be .. SHAPED ; description ; how be THING FORM ; how do THING FEEL|look|seem ; \
+         what have ?you ?we get|=got there|here ; impression of ; what HELPING you call THING ; \
+         what do you make of THING ; how many side|sides|corners|edges|faces ; what you think THING be ; \
+         make out ?its FORM",
+)
+.past("FORM ; SHAPED ; what KIND");
 
 impl Conversation {
     /// What it may say of the size of the thing of which they talk.

@@ -1,54 +1,51 @@
 //! "Here is a stick: take it with your right hand", "give me back the stick", "how long is the stick?"
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, Intent, RequestKind, Words};
+use super::{Act, Acted, Answer, Intent, RequestKind};
 use crate::interaction::conversation::grammar::Request;
 use crate::interaction::stick::KnownStick;
 use crate::interaction::tasks::tried;
 
-pub(super) const TAKE_STICK: RequestKind = RequestKind {
-    words: Words {
-        told: "GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; take|get|catch|keep ?GOOD hold of STICK ; ^ here be STICK ; \
-            LIFT|GRAB STICK ?UP ; reach for STICK ; \
-            GRAB|have|get|hold|accept|USE|want|take|need STICK ; take|hold .. STICK ; i .. GIVE|hand|hold .. you .. STICK ; GIVE you STICK ; STICK for you ; for you STICK ; STICK & take|hold|GRAB|get ; here STICK",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["take the stick", "took the stick"],
-        Act::Moves(|creature, request, _| creature.take_stick(request)),
-    )
-};
+pub(super) const TAKE_STICK: RequestKind = RequestKind::new(
+    ["take the stick", "took the stick"],
+    Act::Moves(|creature, request, _| creature.take_stick(request)),
+)
+.told(
+    "GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; take|get|catch|keep ?GOOD hold of STICK ; \
+         ^ here be STICK ; LIFT|GRAB STICK ?UP ; reach for STICK ; \
+         GRAB|have|get|hold|accept|USE|want|take|need STICK ; take|hold .. STICK ; \
+         i .. GIVE|hand|hold .. you .. STICK ; GIVE you STICK ; STICK for you ; for you STICK ; \
+         STICK & take|hold|GRAB|get ; here STICK ; here ?you ?go STICK ; STICK .. GRAB|take|catch THING ; \
+         take my STICK",
+)
+.needs_body();
 
-pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind {
-    words: Words {
-        asked: "i|we ?have|get .. STICK BACK",
-        told: "GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; \
-            PUT DOWN|away|BACK|SIDEWAYS STICK ; DROP|return STICK ; LET STICK go|fall|drop ; \
-            LET|leave ?go of|off STICK ; GIVE STICK ; \
-            STICK BACK|down|away ; want|like|have|need|get STICK BACK ; get rid of STICK ; leave|lose|DROP|LET|return STICK ; GIVE .. STICK ; STICK & GIVE|return|DROP ; PUT|lay .. STICK .. DOWN|away|BACK|SIDEWAYS ; \
-            away with STICK ; give me my STICK",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["give the stick back", "gave the stick back"],
-        Act::Moves(|creature, _, _| creature.give_stick_back()),
-    )
-};
+pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
+    ["give the stick back", "gave the stick back"],
+    Act::Moves(|creature, _, _| creature.give_stick_back()),
+)
+.denied("stop|STOP =using|=holding STICK ; no more STICK")
+.asked("i|we ?have|get .. STICK BACK")
+.told(
+    "GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; \
+         PUT DOWN|away|BACK|SIDEWAYS STICK ; DROP|return STICK ; LET STICK go|fall|drop ; \
+         LET|leave ?go of|off STICK ; GIVE STICK ; STICK BACK|down|away ; \
+         want|like|have|need|get STICK BACK ; get rid of STICK ; leave|lose|DROP|LET|return STICK ; \
+         GIVE .. STICK ; STICK & GIVE|return|DROP ; away with STICK ; give me my STICK ; \
+         let me have STICK ; no more STICK ; stop =using STICK ; off with STICK ; DROP STICK",
+);
 
-pub(super) const STICK_KNOWN: RequestKind = RequestKind {
-    words: Words {
-        asked: "how ?long|SIZED|FAR be STICK ; what|where|whereabouts be STICK ; \
-            do|be you ?still have|hold|know|feel|get STICK ; LENGTH|tip|end|point|SIZE of|OF STICK ; \
-            STICK ; be|do .. STICK ; ASKING .. STICK ; ASKING .. hold|have|reach|end|know .. STICK ; TELL .. STICK ; STICK .. LENGTH|end|reach|hold|have ; hold|have STICK ; HAND .. STICK ; STICK in HAND ; how FAR .. STICK ; \
-            ASKING HELPING you TELL .. STICK",
-        ..Words::NONE
-    },
-    ..RequestKind::new(
-        ["tell what I know of the stick", "told what I know of the stick"],
-        Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())),
-    )
-};
+pub(super) const STICK_KNOWN: RequestKind = RequestKind::new(
+    ["tell what I know of the stick", "told what I know of the stick"],
+    Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())),
+)
+.asked(
+    "how ?long|SIZED|FAR be STICK ; what|where|whereabouts be STICK ; \
+         do|be you ?still have|hold|know|feel|get STICK ; LENGTH|tip|end|point|SIZE of|OF STICK ; STICK ; \
+         be|do .. STICK ; ASKING .. STICK ; ASKING .. hold|have|reach|end|know .. STICK ; TELL .. STICK ; \
+         STICK .. LENGTH|end|reach|hold|have ; hold|have STICK ; HAND .. STICK ; STICK in HAND ; \
+         how FAR .. STICK ; ASKING HELPING you TELL .. STICK",
+);
 
 impl Conversation {
     /// Holds out a hand for a stick, and learns it by touching himself with it; gives it back where he cannot tell where its

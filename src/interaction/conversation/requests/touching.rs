@@ -1,44 +1,47 @@
 //! "Touch it with your left hand."
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, RequestKind, Words};
+use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 use crate::peripersonal::{Level, OutOfReach};
 
-pub(super) const TOUCH: RequestKind = RequestKind {
-    words: Words {
-        told: "TOUCH ?on|at|against|up THING|SOME|HAND|them ; ^ TOUCH ; ^ TOUCH $ ; GO ?over ON|and THING ; REACH THING ; \
-            REACH ?out ?and|for|to ?TOUCH THING ; \
-            PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land ?your|one|a|both ?down|out HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in ?CONTACT|touch|top|with ?with|of THING|SOME ; \
-            make|have|get CONTACT|contact|touch ?with ; make|get|have ?in CONTACT with THING|SOME ; \
-            REACH out ?and make CONTACT ; BODY .. rest|be ON THING ; \
-            give THING ?a ?BIT ?GOOD|quick TOUCH|PUSH|tap|poke|pat ; USE HAND ?to|for|on ?TOUCH ; \
-            HAND ?should|must|be|GO ?be|go|should ?be ON THING ; HAND ON THING|SOME ; HAND to THING ; \
-            ^ USE STICK ?to|for|on ?TOUCH ; ^ HAND $ ; ^ ?but|and|do|try ?THING with|use HAND ?instead|now $ ; \
-            REACH ?out ?and|to|for TOUCH ; switch|change|swap ?over ?to HAND ; ^ THING TOUCH THING ; \
-            ^ TOUCH with HAND ; TOUCH with STICK|HAND ; TOUCH & THING ; TOUCH THING with HAND|STICK ; HAND TOUCH THING ; \
-            with HAND TOUCH THING ; next up TOUCH ; THING with HAND ; touch with|between HAND ; \
-            finger|fingertips on THING ; ^ THING & other|instead ; HAND TOUCH ; \
-            TOUCH .. THING|SOME .. with|by|using HAND ; TOUCH THING ?again ; see ?a TOUCH of THING ; PUT|lay|get .. HAND|finger|fingertip .. ON THING ; make|establish|get|see ?some ?physical contact|CONTACT ?between|with .. THING ; contact|CONTACT .. THING ; turn ?at TOUCH THING ; HAND .. TOUCH THING ; give THING .. TOUCH|dab|poke|tap|touch ; HAND ?GO ON THING ; finger ON THING ; TOUCH ?of THING ; rest HAND ON THING ; TOUCH ON THING ; HAND .. ON|meet THING ; TOUCH THING ?with ?the other|left|right ; HAND ON THING",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["touch it", "touched it"],
-        Act::Handles(|creature, thing, request, _| {
-            if request.stick {
-                return creature.touch_with_stick(thing, request.lean);
-            }
-            let hand = creature.hand_for(request.hand);
-            let answer = creature.touch(thing, hand, request.lean)?;
-            // What is too far for the hand may not be for a stick that he holds.
-            let out_of_reach = answer.done == Some(false) && creature.is_out_of_hands_reach(thing);
-            let may = out_of_reach && hand.is_none() && creature.actor.stick_tip().is_some();
-            if may { creature.touch_with_stick(thing, request.lean) } else { Ok(answer) }
-        }),
-    )
-};
+pub(super) const TOUCH: RequestKind = RequestKind::new(
+    ["touch it", "touched it"],
+    Act::Handles(|creature, thing, request, _| {
+        if request.stick {
+            return creature.touch_with_stick(thing, request.lean);
+        }
+        let hand = creature.hand_for(request.hand);
+        let answer = creature.touch(thing, hand, request.lean)?;
+        // What is too far for the hand may not be for a stick that he holds.
+        let out_of_reach = answer.done == Some(false) && creature.is_out_of_hands_reach(thing);
+        let may = out_of_reach && hand.is_none() && creature.actor.stick_tip().is_some();
+        if may { creature.touch_with_stick(thing, request.lean) } else { Ok(answer) }
+    }),
+)
+.told(
+    "TOUCH ?on|at|against|up THING|SOME|HAND|them ; ^ TOUCH ; ^ TOUCH $ ; GO ?over ON|and THING ; \
+         REACH THING ; REACH ?out ?and|for|to ?TOUCH THING ; \
+         PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land ?your|one|both ?down|out \
+         HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in ?CONTACT|touch|top|with \
+         ?with|of THING|SOME ; make|have|get CONTACT|contact|touch ?with ; \
+         make|get|have ?in CONTACT with THING|SOME ; BODY .. rest|be ON THING ; \
+         give THING ?BIT ?GOOD|quick TOUCH|PUSH|tap|poke|pat ; USE HAND ?to|for|on ?TOUCH ; \
+         HAND ?should|must|be|GO ?be|go|should ?be ON THING ; HAND ON THING|SOME ; HAND to THING ; \
+         ^ HAND $ ; ^ ?but|and|do|try ?THING with|use HAND ?instead|now $ ; REACH ?out ?and|to|for TOUCH ; \
+         switch|change|swap ?over ?to HAND ; ^ THING TOUCH THING ; ^ TOUCH with HAND ; \
+         TOUCH with STICK|HAND ; TOUCH & THING ; TOUCH THING with HAND|STICK ; HAND TOUCH THING ; \
+         with HAND TOUCH THING ; next up TOUCH ; THING with HAND ; touch with|between HAND ; \
+         finger|fingertips on THING ; ^ THING & other|instead ; HAND TOUCH ; TOUCH THING ?again ; \
+         see TOUCH of THING ; PUT|lay|get .. HAND|finger|fingertip .. ON THING ; \
+         make|establish|get|see ?some ?physical contact|CONTACT ?between|with .. THING ; \
+         contact|CONTACT .. THING ; turn ?at TOUCH THING ; HAND .. TOUCH THING ; \
+         give THING .. TOUCH|dab|poke|tap|touch ; HAND ?GO ON THING ; finger ON THING ; TOUCH ?of THING ; \
+         rest HAND ON THING ; TOUCH ON THING ; HAND .. ON|meet THING ; TOUCH THING ?with other|left|right ; \
+         HAND ON THING ; establish contact|CONTACT ; ^ HAND only|now $ ; go for THING & !it",
+)
+.needs_body();
 
 impl Conversation {
     /// Whether a thing is beyond what either bare hand reaches without leaning, by the map.

@@ -1,7 +1,7 @@
 //! "Touch your nose."
 
 use super::super::{Conversation, OwnSpot};
-use super::{Act, Acted, Answer, RequestKind, Words};
+use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::body_part::{self, BodyPart};
 use crate::interaction::conversation::grammar::Request;
 use crate::interaction::own_spot::OwnTouch;
@@ -12,32 +12,31 @@ const TRIES: usize = 6;
 /// Skin this near to a part is that part, metres: a patch's width.
 const NEAR: f64 = 0.01;
 
-pub(super) const TOUCH_OWN: RequestKind = RequestKind {
-    words: Words {
-        told: "TOUCH|GRAB|TEND|REACH ?for|with|to|at|on|onto|against|up|down|behind|out|over|hold|out ?HAND ?to|for|on|onto|towards|at|and ?your|hold ?of PART ; \
-            FIND PART with|HAND ; TOUCH|TEND|FEEL BODY ; REACH PART ; TOUCH|TEND|GRAB BODY with HAND ; \
-            PUT|get|keep|have|bring|press|point|raise|lift|STRETCH|REACH|hold|let|LET|take|PULL|PUSH|guide ?a|one|the ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; \
-            PUT ?a ?finger|hand|HAND ON BODY ; PUT HAND|finger ON ?the end|tip|top ?of BODY ; \
-            get|take|catch|have|lay|keep|GRAB hold of BODY ; ^ HAND ?and PART $ ; ^ PART with|by ?your HAND $ ; \
-            ^ PART HAND $ ; HAND ?should|must|be|GO ?be|go ON|over BODY ; BODY .. HAND ON THING|PART ; BODY .. HAND ON ; \
-            PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give THING|PART ; ^ PART TOUCH|TEND ; USE HAND .. PART ; \
-            with|by HAND .. BODY ; make|get|establish contact|touch|CONTACT with|between|ON BODY ; TOUCH|TEND yourself ; \
-            TOUCH|TEND yourself ON PART ; give yourself|BODY .. TOUCH|TEND ON PART ; BODY and BODY together ; \
-            point at|ON BODY ; REACH ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY ; \
-            give BODY ?a ?GOOD ?BIT TOUCH|TEND|rub ; give BODY a ; find BODY with HAND ; GRAB|hold onto|ON BODY ; \
-            PUT|PULL|get|move BODY .. ON|near BODY ; HAND .. GO|get to BODY ; ^ HAND ON PART ; HAND ON BODY ; \
-            go|head for|to BODY ; PUT BODY on|ON BODY ; GRAB BODY ; PART & HAND & TOUCH|GRAB|PUT|REACH|USE|TEND|get ; \
-            ^ PART $ ; HAND to ?your BODY ; \
-            RUN|wipe|walk ?a|your HAND|finger .. PART ; TOUCH|TEND|GRAB|cup|hold .. PART ; let|LET|have|make HAND .. ON PART ; HAND & PART & come|land|rest|GO|fall ; give yourself .. ON ?the PART ; FIND PART with HAND ; find PART with .. finger|hand ; TOUCH|TEND yourself ON|at|in ?the PART ; \
-            HAND .. ON BODY",
-        ..Words::NONE
-    },
-    needs_body: true,
-    ..RequestKind::new(
-        ["touch myself there", "touched myself"],
-        Act::Moves(|creature, request, _| creature.touch_part(request)),
-    )
-};
+pub(super) const TOUCH_OWN: RequestKind = RequestKind::new(
+    ["touch myself there", "touched myself"],
+    Act::Moves(|creature, request, _| creature.touch_part(request)),
+)
+.told(
+    "TOUCH|GRAB|TEND|REACH ?for|with|to|at|on|onto|against|up|down|behind|out|over|hold|out ?HAND \
+         ?to|for|on|onto|towards|at|and ?your|hold ?of PART ; FIND PART with|HAND ; TOUCH|TEND|FEEL BODY ; \
+         REACH PART ; TOUCH|TEND|GRAB BODY with HAND ; \
+         PUT|get|keep|have|bring|press|point|raise|lift|STRETCH|REACH|hold|let|LET|take|PULL|PUSH|guide \
+         ?one ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight \
+         ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; \
+         PUT ?finger|hand|HAND ON BODY ; get|take|catch|have|lay|keep|GRAB hold of BODY ; \
+         ^ HAND ?and PART $ ; ^ PART with|by ?your HAND $ ; ^ PART HAND $ ; \
+         HAND ?should|must|be|GO ?be|go ON|over BODY ; BODY .. HAND ON THING|PART ; BODY .. HAND ON ; \
+         PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give THING|PART ; ^ PART TOUCH|TEND ; USE HAND .. PART ; \
+         with|by HAND .. BODY ; make|get|establish contact|touch|CONTACT with|between|ON BODY ; \
+         TOUCH|TEND yourself ; TOUCH|TEND yourself ON PART ; BODY and BODY together ; point at|ON BODY ; \
+         REACH ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY ; \
+         give BODY ?GOOD ?BIT TOUCH|TEND|rub ; give BODY a ; find BODY with HAND ; GRAB|hold onto|ON BODY ; \
+         PUT|PULL|get|move BODY .. ON|near BODY ; ^ HAND ON PART ; HAND ON BODY ; go|head for|to BODY ; \
+         PUT BODY on|ON BODY ; GRAB BODY ; PART & HAND & TOUCH|GRAB|PUT|REACH|USE|TEND|get ; ^ PART $ ; \
+         HAND to ?your BODY ; RUN|wipe|walk ?your HAND|finger .. PART ; TOUCH|TEND|GRAB|cup|hold .. PART ; \
+         HAND & PART & come|land|rest|GO|fall ; FIND PART with HAND ; HAND .. ON BODY",
+)
+.needs_body();
 
 impl Conversation {
     fn touch_part(&mut self, request: &Request) -> Acted {
