@@ -13,7 +13,7 @@ pub(super) const TAKE_STICK: RequestKind = RequestKind::new(
 .told(
     "GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; take|get|catch|keep ?GOOD hold of STICK ; \
          ^ here be STICK ; LIFT|GRAB STICK ?UP ; reach for STICK ; \
-         GRAB|have|get|hold|accept|USE|want|take|need STICK ; take|hold .. STICK ; \
+         GRAB|have|get|hold|accept|want|take|need STICK ; take|hold .. STICK ; \
          i .. GIVE|hand|hold .. you .. STICK ; GIVE you STICK ; STICK for you ; for you STICK ; \
          STICK & take|hold|GRAB|get ; here STICK ; here ?you ?go STICK ; STICK .. GRAB|take|catch THING ; \
          take my STICK",
@@ -31,7 +31,7 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
          PUT DOWN|away|BACK|SIDEWAYS STICK ; DROP|return STICK ; LET STICK go|fall|drop ; \
          LET|leave ?go of|off STICK ; GIVE STICK ; STICK BACK|down|away ; \
          want|like|have|need|get STICK BACK ; get rid of STICK ; leave|lose|DROP|LET|return STICK ; \
-         GIVE .. STICK ; STICK & GIVE|return|DROP ; away with STICK ; give me my STICK ; \
+         GIVE .. STICK ; STICK & give|return|DROP ; away with STICK ; give me my STICK ; \
          let me have STICK ; no more STICK ; stop =using STICK ; off with STICK ; DROP STICK",
 );
 
