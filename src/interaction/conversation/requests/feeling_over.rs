@@ -24,8 +24,8 @@ pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
          EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. body|yourself|limbs & !stick ; \
          give yourself|body .. once|check|feel|exam|examination ; update|refresh .. body|yourself ; \
          GO|RUN ?HAND over|along ?your yourself|body|limbs ; FEEL|TOUCH ALL ?over ?of yourself|body ; \
-         self check|test|exam|calibration|CALIBRATE ; pat yourself down ; EXAMINE|check|test ?your PART ; body scan|check|test|exam ; \
-         ^ body SEARCH|EXAMINE ; do .. body EXAMINE",
+         self check|test|exam|calibration|CALIBRATE ; pat yourself down ; EXAMINE|check|test ?your PART ; \
+         body scan|check|test|exam ; ^ body SEARCH|EXAMINE ; do .. body EXAMINE",
 );
 
 impl Conversation {

@@ -21,8 +21,8 @@ pub(super) const TOUCH: RequestKind = RequestKind::new(
     }),
 )
 .told(
-    "TOUCH ?on|at|against|up THING|SOME|HAND|them ; ^ TOUCH ; ^ TOUCH $ ; GO ?over ON|and THING ; \
-         REACH THING ; REACH ?out ?and|for|to ?TOUCH THING ; \
+    "^ USE STICK ?to|for|on ?TOUCH ; TOUCH ?on|at|against|up THING|SOME|HAND|them ; ^ TOUCH ; \
+         ^ TOUCH $ ; GO ?over ON|and THING ; REACH THING ; REACH ?out ?and|for|to ?TOUCH THING ; \
          PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land ?your|one|both ?down|out \
          HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in ?CONTACT|touch|top|with \
          ?with|of THING|SOME ; make|have|get CONTACT|contact|touch ?with ; \
