@@ -4,9 +4,7 @@
 
 use std::path::Path;
 
-use bodyschema::agent::Agent;
-use bodyschema::interaction::{Actor, Conversation};
-use bodyschema::simulation::{Stage, StageOptions};
+use bodyschema::{Actor, Agent, Conversation, Stage, StageOptions};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Babble and learn; a session that was recorded does as well.

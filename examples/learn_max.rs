@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use bodyschema::agent::Agent;
+use bodyschema::Agent;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let max = Agent::from_mjcf("mjcf/max/max.xml")?.babble(500)?.learn()?;

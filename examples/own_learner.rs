@@ -4,9 +4,7 @@
 use std::collections::HashMap;
 use std::error::Error;
 
-use bodyschema::agent::Agent;
-use bodyschema::learning::{Input, Learned, Learner, SecondOrder};
-use bodyschema::senses::Touch;
+use bodyschema::{Agent, Input, Learned, Learner, SecondOrder, Touch};
 
 /// Most touches that are kept of each pair of receptors.
 const KEPT: usize = 1;

@@ -3,10 +3,7 @@
 
 use std::error::Error;
 
-use bodyschema::agent::Agent;
-use bodyschema::babbling::{BabblingOptions, Policy};
-use bodyschema::creature::{Creature, Posture};
-use bodyschema::senses::Touch;
+use bodyschema::{Agent, BabblingOptions, Creature, Policy, Posture, Touch};
 use rand_chacha::ChaCha8Rng;
 
 /// Goes half the way to random postures.

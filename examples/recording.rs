@@ -4,7 +4,7 @@ use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 
-use bodyschema::session::{
+use bodyschema::{
     BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource, learn_session,
 };
 

@@ -5,12 +5,10 @@ use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
 
-use bodyschema::agent::Agent;
-use bodyschema::babbling::PolicyName;
-use bodyschema::calibration::robot::{Knowledge, Value};
-use bodyschema::calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
-use bodyschema::calibration::{Estimator, EstimatorOptions, Touch, plan};
-use bodyschema::session::{SessionRequest, calibration_table, read_robot};
+use bodyschema::{
+    Agent, Estimator, EstimatorOptions, Knowledge, PolicyName, RobotTouch, SessionRequest, Value,
+    add_joint_noise, add_point_noise, calibration_table, misread, plan, point_touches, read_robot,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -44,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let estimator = Estimator::new(&unknown, &found, EstimatorOptions::default());
     let noise = estimator.noise(POINT_NOISE, JOINT_NOISE.to_radians());
     let chosen = plan(&estimator, &unknown.nominal(), &noise, MADE);
-    let mut touches: Vec<Touch> =
+    let mut touches: Vec<RobotTouch> =
         chosen.touches.iter().map(|planned| found[planned.candidate].clone()).collect();
 
     let mut rng = ChaCha8Rng::seed_from_u64(1);

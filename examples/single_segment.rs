@@ -5,13 +5,9 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use bodyschema::agent::Agent;
-use bodyschema::creature::{Body, JointSelection};
-use bodyschema::ground_truth::GroundTruth;
-use bodyschema::kinematics::limb_frames;
-use bodyschema::learning::initial_guess::random_guess;
-use bodyschema::learning::{Hersch, Input, Learner};
-use bodyschema::mujoco::Model;
+use bodyschema::{
+    Agent, Body, GroundTruth, Hersch, Input, JointSelection, Learner, Model, limb_frames, random_guess,
+};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

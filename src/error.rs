@@ -13,7 +13,7 @@ const LONGEST_SENTENCE: usize = 2000;
 ///
 /// let error = Agent::from_mjcf("no/such.xml").err().ok_or("there is no such file")?;
 /// assert!(error.is_model() && !error.is_usage());
-/// assert_eq!(error.to_string(), "no/such.xml: there is no such file: give the path of one that exists");
+/// assert!(error.to_string().starts_with("no/such.xml: there is no such file"));
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Debug)]

@@ -1,91 +1,126 @@
-//! A creature in MuJoCo learns its body schema from nothing but touching itself.
-//!
-//! The folders read as the data flow:
-//!
-//! ```text
-//! MJCF ─ mujoco ─┬─ creature, skin ─ agent   what the agent is given: tree, degrees of freedom, ranges, limbs, receptors
-//!                └─ ground_truth             where joints really are; only the evaluation may see it
-//! agent ─ simulation (motions until touch; a stage with things, probes and a handle) ─ senses ─ babbling ─ touches
-//! touches ─ session (its folder on disk; or recordings of a real body, with no MJCF at all)
-//! touches ─ learning (Hersch's rule; its repair; second order, then online) ─ schema, and how sure it is
-//! schema + ground_truth ─ evaluation
-//! schema + skin + touch ─ peripersonal (what is where about the body, how to touch it) ─ interaction
-//! all of it ─ session (with an observer) ─ study (cases measured over seeds) ─ cli
-//! session, schema ─ export (MJCF, URDF), view (report, live page, charts; pictures and films by MuJoCo's renderer)
-//! ```
-//!
-//! All stand on [`geometry`] (shapes and their gaps) and [`kinematics`] (where a schema has the limbs in a posture).
-//!
-//! # Notation
-//! Frames are `W` world, `L` a limb (origin at the joint that carries it; in the reference posture, parallel
-//! to its parent), `P` its parent limb, `C` the common ancestor of two limbs, `R` a receptor. `X_AB` is the
-//! pose of B in A, so `p_A = X_AB p_B`; `p_LR` is a receptor's position in its limb's frame, `n_L` a unit
-//! normal expressed in L; `l_P` and `a_P` are a joint's position and axis in its parent limb's frame. Limbs may
-//! have frames of their own in place of these, each at a fixed pose `(Q, c)` on its joint:
-//! `p_P = l_P + R(a, θ) (Q p_L + c)`.
-//!
-//! Metres, radians, seconds and newtons everywhere; millimetres and degrees only in what a person reads.
-//! MuJoCo's quaternions are w x y z, nalgebra's x y z w: they are converted at the boundary only.
-//!
-//! # From touches to acting
-//! Babble, learn, evaluate, act: Max touches himself, and then knows a posture that brings his hand to a point.
-//!
-//! ```
-//! use bodyschema::agent::Agent;
-//! use bodyschema::peripersonal::ReachableMap;
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! // The same touches each time, and from them alone where the joints are and how they turn.
-//! let max = Agent::from_mjcf("mjcf/max/max.xml")?.babble(400)?.learn()?;
-//! assert!(max.learned().verdict.converged());
-//!
-//! // Only here does the truth come in: where skin lands in another limb's frame, off by less than a tenth of a
-//! // millimetre.
-//! assert!(max.evaluation().determined_mm.mean < 0.1);
-//!
-//! // Act: where the left hand gets to, in the chest's frame, and how it gets there.
-//! let own = max.own_body();
-//! let hand = own.creature().limb("left_hand").ok_or("Max has a left hand")?;
-//! let map = ReachableMap::new(&own, hand, own.carrier_of(&[hand]), 0.08)?;
-//! let reach = map.reach(&[0.3, 0.2, 0.1].into());
-//! assert!(reach.miss < 1e-3 && reach.posture.len() == own.creature().coordinates());
-//! # Ok(())
-//! # }
-//! ```
-//!
-//! With an observer, and on disk: [`session`]; over many seeds: [`study`].
+#![doc = include_str!("../docs/library.md")]
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+// The library: at most 130 names beside those of estimation (`learning`, `calibration`), counted by `tests/it/library.rs`.
+// Each is used in a documentation test or an example. To add a name, name it here and use it there.
+
+// From a model to a learned body.
+pub use agent::Agent;
+pub use babbling::PolicyName;
+pub use creature::JointSelection;
+pub use error::{Error, Result};
+pub use session::{Babbled, Embodied, LearnedBody, LearningOptions, ModelSource, SessionRequest};
+pub use simulation::MotionName;
+
+// What a creature is, and what it learned.
+pub use creature::{Creature, Dof, DofKind, Joint, Posture};
+pub use geometry::{Frame, Shape};
+pub use kinematics::limb_frames;
+pub use learning::{
+    Account, BodyChange, Certainty, Hersch, Input, Learned, Learner, LimbFrames, Online, SecondOrder,
+    SkinKnowledge, Verdict, initial_guess::random_guess, learners::LEARNERS,
+};
+pub use schema::BodySchema;
+
+// Skin and senses.
+pub use senses::{
+    NewSense, RecordedTouch, SENSES, Sensation, Sense, SensedStep, SensingBody, SkinContact, Touch,
+    TouchEvent, TouchKind, Toucher,
+};
+pub use skin::{GrowOptions, Grown, PatchSize, Receptor, Skin, SomatotopicMap, Surface, grow_skin};
+
+// Babbling by a policy of one's own.
+pub use babbling::{BabblingOptions, Policy};
+
+// Measuring against the truth, which no learner sees.
+pub use creature::Body;
+pub use evaluation::{Evaluation, Summary, evaluate, evaluate_learned};
+pub use ground_truth::GroundTruth;
+pub use mujoco::Model;
+
+// Sessions on disk, and recordings of a real body.
+pub use session::{
+    BabbledSession, BabblingSession, DisturbanceLevels, FolderLock, LearnedSession, LearningRecord, Observer,
+    Phase, Provenance, RecordedSession, RecordingSource, Session, SessionSetup, learn_session, own_body,
+    read_schema, read_touches,
+};
+
+// Acting by what was learned.
+pub use interaction::{
+    Actor, Avoiding, Conversation, FoundThing, Hand, Intent, PlaceGoal, Reply, Stop, Touching, Trouble,
+};
+pub use kinematics::Place;
+pub use peripersonal::{
+    CollisionChecker, Level, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, PosturePath, Reach,
+    ReachPlan, ReachTarget, ReachableMap, Reaching, find_path, limb_posture,
+};
+pub use simulation::{AgentHandle, ProbePath, Stage, StageOptions, StepSenses, Substance, Thing};
+
+// The learned body in the formats of others.
+pub use export::{to_mjcf, to_urdf};
+
+// Calibrating a robot by its logged self-contacts.
+pub use calibration::robot::{Knowledge, Quantity, Robot, Value};
+pub use calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
+pub use calibration::{
+    Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Objection, Plan,
+    Touch as RobotTouch, folds, judge, objections, plan,
+};
+pub use session::{CalibrationLog, RobotFile, calibration_table, read_calibration_log, read_robot};
+
+// The modules, used by our program, tests and benchmarks; no promise is made about them.
+#[doc(hidden)]
 pub mod agent;
+#[doc(hidden)]
 pub mod babbling;
+#[doc(hidden)]
 pub mod calibration;
+#[doc(hidden)]
 #[cfg(feature = "cli")]
 pub mod cli;
+#[doc(hidden)]
 pub mod creature;
+#[doc(hidden)]
 pub mod deadline;
 mod error;
+#[doc(hidden)]
 pub mod evaluation;
+#[doc(hidden)]
 pub mod export;
+#[doc(hidden)]
 pub mod geometry;
 mod given_file;
+#[doc(hidden)]
 pub mod ground_truth;
+#[doc(hidden)]
 pub mod interaction;
+#[doc(hidden)]
 pub mod kinematics;
+#[doc(hidden)]
 pub mod learning;
+#[doc(hidden)]
 pub mod model_files;
+#[doc(hidden)]
 pub mod mujoco;
-pub mod named;
+mod named;
+#[doc(hidden)]
 pub mod peripersonal;
 mod plausible;
+#[doc(hidden)]
 pub mod schema;
+#[doc(hidden)]
 pub mod senses;
+#[doc(hidden)]
 pub mod session;
+#[doc(hidden)]
 pub mod share;
+#[doc(hidden)]
 pub mod simulation;
+#[doc(hidden)]
 pub mod skin;
+#[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
 #[cfg(any(feature = "render", feature = "report"))]
 pub mod view;
-
-pub use error::Error;

@@ -28,7 +28,7 @@ pub struct Session {
     pub engine: String,
     /// The model's path as it was given; empty where there is none.
     pub model: String,
-    /// The model's content: [`model_hash`](super::model_hash); empty where there is none.
+    /// The model's content: `model_hash`; empty where there is none.
     pub model_hash: String,
     /// The files it was made of, where it was recorded and not simulated.
     pub recording: Option<RecordingFiles>,

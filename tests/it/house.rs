@@ -138,7 +138,7 @@ impl<'ast> Visit<'ast> for Paths<'_> {
 }
 
 /// The names that a `use` brings, each with its path.
-fn leaves_of(tree: &UseTree, path: &mut Vec<String>, leaves: &mut Vec<(String, Vec<String>)>) {
+pub fn leaves_of(tree: &UseTree, path: &mut Vec<String>, leaves: &mut Vec<(String, Vec<String>)>) {
     match tree {
         UseTree::Path(inner) => {
             path.push(inner.ident.to_string());
