@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use super::{MOTION, TOUCHES_PER_BOUT};
 use crate::deadline::{Deadline, count_work};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
 use crate::share::Share;
-use crate::simulation::{Effort, EngineResult};
+use crate::simulation::Effort;
 
 /// How far a session has come: whole bouts that need not be made again to go on from there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,7 +96,7 @@ impl End {
 /// Puts the bouts that follow on `done` back into order and hands their touches on, up to where they are to end.
 /// Returns how many there are and what they cost up to there, with those before; there may be no touch among them.
 pub(super) fn gather(
-    bouts: &mut dyn Iterator<Item = (u64, EngineResult<Bout>)>,
+    bouts: &mut dyn Iterator<Item = (u64, Result<Bout>)>,
     mut done: BoutsDone,
     end: End,
     (fruitless_bouts, deadline): (u64, Deadline),

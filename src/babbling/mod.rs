@@ -18,11 +18,11 @@ pub use policy::{Policy, PolicyName};
 use crate::babbling::bouts::{Bout, End, gather};
 use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
-use crate::error::{Error, Kind};
+use crate::error::{Error, Kind, Result};
 use crate::learning::growth::Growth;
 use crate::senses::{Input, RecordedTouch};
 use crate::share::Share;
-use crate::simulation::{Effort, Ending, EngineResult, MotionUntilTouch, Movers};
+use crate::simulation::{Effort, Ending, MotionUntilTouch, Movers};
 
 /// Touches after which a bout ends.
 const TOUCHES_PER_BOUT: usize = 25;
@@ -207,7 +207,7 @@ impl<'a> Babbler<'a> {
         let (next_bout, done) = (AtomicU64::new(from.bouts), AtomicBool::new(false));
         let jobs = options.jobs.max(1);
         // A bounded channel keeps the threads from running far ahead of the receiver.
-        let (sender, receiver) = mpsc::sync_channel::<(u64, EngineResult<Bout>)>(2 * jobs);
+        let (sender, receiver) = mpsc::sync_channel::<(u64, Result<Bout>)>(2 * jobs);
         std::thread::scope(|scope| {
             for _ in 0..jobs {
                 let sender = sender.clone();
@@ -216,8 +216,7 @@ impl<'a> Babbler<'a> {
                     let mut mover = match self.movers.mover() {
                         Ok(mover) => mover,
                         Err(error) => {
-                            let _ =
-                                sender.send((next_bout.fetch_add(1, Ordering::Relaxed), Err(error.into())));
+                            let _ = sender.send((next_bout.fetch_add(1, Ordering::Relaxed), Err(error)));
                             return;
                         }
                     };
@@ -318,7 +317,7 @@ impl<'a> Babbler<'a> {
     }
 
     /// One bout, the same whoever makes it and when.
-    fn bout(&self, mover: &mut dyn MotionUntilTouch, seed: u64, bout: u64) -> EngineResult<Bout> {
+    fn bout(&self, mover: &mut dyn MotionUntilTouch, seed: u64, bout: u64) -> Result<Bout> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(bout);
         mover.reset(self.movers.start())?;

@@ -12,14 +12,14 @@ use rand_chacha::ChaCha8Rng;
 use super::stick::HeldStick;
 use super::tasks::SearchPlan;
 use crate::creature::{Creature, Posture};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::geometry::Frame;
 use crate::kinematics::Place;
 use crate::peripersonal::{
     CollisionChecker, Obstacle, OwnBody, PosturePath, ReachTarget, Reaching, distance,
 };
 use crate::senses::{Balance, SkinContact, Toucher};
-use crate::simulation::{AgentHandle, EngineResult};
+use crate::simulation::AgentHandle;
 
 /// How fast the tips of the hands go where nothing is expected, metres a second …
 pub const SWIFT: f64 = 0.6;
@@ -323,7 +323,7 @@ impl Actor {
         way: &PosturePath,
         speed: f64,
         heeded: impl Fn(&Actor, &SkinContact) -> bool,
-    ) -> EngineResult<Stop> {
+    ) -> Result<Stop> {
         let mut parting: Option<BTreeSet<_>> = None;
         let step = self.handle.timestep();
         let tips = self.hands.iter().map(|hand| hand.tip).chain(self.stick_tip());
@@ -398,7 +398,7 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn step(&mut self, towards: &[f64]) -> EngineResult<Vec<SkinContact>> {
+    pub fn step(&mut self, towards: &[f64]) -> Result<Vec<SkinContact>> {
         let felt = self.handle.step(towards)?;
         Ok(self.understood(felt))
     }
@@ -418,7 +418,7 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn wait(&mut self, seconds: f64) -> EngineResult<Vec<SkinContact>> {
+    pub fn wait(&mut self, seconds: f64) -> Result<Vec<SkinContact>> {
         let posture = self.posture();
         let steps = (seconds / self.handle.timestep()).ceil().max(1.0) as usize;
         let mut felt = Vec::new();

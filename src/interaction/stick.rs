@@ -7,6 +7,7 @@
 
 use nalgebra::Vector3;
 
+use crate::error::Result;
 use crate::geometry::Ball;
 use crate::interaction::actor::{Actor, FoundThing, Hand};
 use crate::interaction::own_spot::OwnTouch;
@@ -15,7 +16,6 @@ use crate::learning::Tool;
 use crate::learning::touch_set::PreparedTouch;
 use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::senses::{SkinContact, SkinSpot, Toucher};
-use crate::simulation::EngineResult;
 
 /// A stick that is held.
 pub struct HeldStick {
@@ -92,7 +92,7 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn take_stick(&mut self, hand: usize) -> EngineResult<bool> {
+    pub fn take_stick(&mut self, hand: usize) -> Result<bool> {
         if self.stick.is_some() {
             return Ok(false);
         }
@@ -134,7 +134,7 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn give_stick_back(&mut self) -> EngineResult<()> {
+    pub fn give_stick_back(&mut self) -> Result<()> {
         self.handle.give_stick_back()?;
         if let Some(stick) = self.stick.take() {
             let (own, clearance) = *stick.bare;

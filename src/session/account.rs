@@ -134,11 +134,11 @@ impl AccountEntry {
             placed.clone().flat_map(|placed| placed.limbs.iter().flat_map(|limb| &limb.distances).flatten());
         let deviations = placed.map(|placed| &placed.point_deviation).chain(&self.touch_deviation);
         if let Some(wrong) = distances.chain(deviations).find(|x| !is_possible(x)) {
-            return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}").into());
+            return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}"));
         }
         let rows = self.determined.iter().flat_map(|found| &found.information);
         if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| x.is_nan() || **x < 0.0) {
-            return Err(format!("its account has an information of {wrong}, below nothing: {MEND}").into());
+            return Err(format!("its account has an information of {wrong}, below nothing: {MEND}"));
         }
         if let Some(found) = &self.determined {
             found.check()?;
@@ -181,8 +181,7 @@ impl PlacedEntry {
                 return Err(format!(
                     "its account of limb \"{}\" has not {number} distances: {MEND}",
                     entry.limb
-                )
-                .into());
+                ));
             }
             touches[limb] = entry.touches;
             made[limb] = entry.made.unwrap_or(entry.touches);
@@ -239,8 +238,7 @@ impl DeterminedEntry {
                 if x.is_nan() || x * x > most {
                     return Err(format!(
                         "its information of parameters {i} and {j} together, {x}, is more than that of each: {MEND}"
-                    )
-                    .into());
+                    ));
                 }
             }
         }
@@ -268,9 +266,7 @@ impl DeterminedEntry {
         if self.information.len() != n
             || self.information.iter().enumerate().any(|(i, row)| row.len() != i + 1)
         {
-            return Err(
-                format!("its information is not the lower triangle over {n} parameters: {MEND}").into()
-            );
+            return Err(format!("its information is not the lower triangle over {n} parameters: {MEND}"));
         }
         let information = DMatrix::from_fn(n, n, |i, j| self.information[i.max(j)][i.min(j)]);
         let found = Observability::new(creature, parameters, &known, information, self.residuals, unit);
@@ -279,7 +275,7 @@ impl DeterminedEntry {
 }
 
 fn unknown_name(name: &str) -> String {
-    format!("its account names \"{name}\", which the creature does not have: {MEND}").into()
+    format!("its account names \"{name}\", which the creature does not have: {MEND}")
 }
 
 /// Of each of `all` names whether it is among `some`.

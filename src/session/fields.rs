@@ -13,5 +13,5 @@ pub(super) fn check_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -
     let near = did_you_mean(unknown, known.iter().copied());
     let meant = near.map_or(String::new(), |near| format!(" (is {near} meant?)"));
     let fields = known.join(", ");
-    Err(format!("{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}").into())
+    Err(format!("{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}"))
 }

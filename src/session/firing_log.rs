@@ -113,7 +113,7 @@ fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result
         return Err(format!(
             "receptor \"{id}\" cannot have fired from {} to {} s: give times in their order, or delete the line",
             span[0], span[1]
-        ).into());
+        ));
     }
     Ok(Firing { receptor, span })
 }

@@ -51,7 +51,7 @@ pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
             Err(error) => {
                 let reason = json_reason(&error);
                 let fault = format!("it is no {what} ({reason}): mend the line or delete it");
-                return Err(refuse(line)(fault.into()));
+                return Err(refuse(line)(fault));
             }
         }
         if last {

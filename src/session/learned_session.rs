@@ -162,7 +162,7 @@ fn write(
     let path = folder.join(LEARNED_FILE);
     let model = to_mjcf(agent, &learned.schema);
     write_whole(&path, model.as_bytes()).map_err(Error::unwritable(&path))?;
-    Ok(record.write(folder, creature)?)
+    record.write(folder, creature)
 }
 
 /// Learning as it goes on: what was passed, and the table that is written.

@@ -242,7 +242,7 @@ impl LearningRecord {
             return Err(refuse(message));
         }
         let account = content.account.map(|entry| entry.account(creature)).transpose();
-        record.account = account.map_err(|fault| refuse(fault.into()))?;
+        record.account = account.map_err(&refuse)?;
         for (i, entry) in content.checkpoints.iter().enumerate() {
             let schema = schema_of_joints(&entry.joints, creature)
                 .map_err(|message| refuse(format!("its checkpoint {}: {message}", i + 1)))?;

@@ -89,6 +89,6 @@ impl RecordedSession {
             writer.write(touch)?;
         }
         writer.finish()?;
-        Ok(self.session.write(folder)?)
+        self.session.write(folder)
     }
 }

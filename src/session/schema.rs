@@ -245,8 +245,7 @@ fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), Strin
         Some(other) => Err(format!(
             "it is of \"{other}\", not of \"{}\": give one that was learned with the same model and joints",
             creature.name()
-        )
-        .into()),
+        )),
     }
 }
 
@@ -261,11 +260,10 @@ fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found
                  `bodyschema inspect` lists",
                 i + 1,
                 creature.name()
-            )
-            .into());
+            ));
         };
         if all.iter().any(|other| other.joint == joint) {
-            return Err(format!("joint \"{name}\" occurs twice: leave one of them out").into());
+            return Err(format!("joint \"{name}\" occurs twice: leave one of them out"));
         }
         all.push(entry.found(joint, creature).map_err(|problem| format!("joint \"{name}\" {problem}"))?);
     }
@@ -382,9 +380,7 @@ pub(super) fn schema_of_joints(entries: &[JointEntry], creature: &Creature) -> R
     let (given, wanted) = (entries.len(), creature.joints().len());
     if given != wanted {
         let name = creature.name();
-        return Err(
-            format!("it has {given} joints, but {name} has {wanted}: give one of the same joints").into()
-        );
+        return Err(format!("it has {given} joints, but {name} has {wanted}: give one of the same joints"));
     }
     let mut schema = BodySchema::zero(creature);
     let found = found_joints(entries, creature)?;
@@ -396,7 +392,7 @@ pub(super) fn schema_of_joints(entries: &[JointEntry], creature: &Creature) -> R
             |what: &str| format!("joint \"{}\" has no {what}: give it", creature.joints()[joint].name);
         schema.positions[joint] = position.ok_or_else(|| lacks("position"))?;
         if axes.len() != axis_count(&creature.joints()[joint]) {
-            return Err(lacks("axes").into());
+            return Err(lacks("axes"));
         }
         axes.into_iter().for_each(|(k, axis, _)| schema.axes[k] = axis);
         if let Some(pose) = pose {
@@ -422,8 +418,7 @@ fn std_of(entries: &[JointEntry], creature: &Creature) -> Result<Option<SchemaSt
             "joint \"{}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or leave \
              out all",
             creature.joints()[without.joint].name
-        )
-        .into());
+        ));
     }
     let mut std = SchemaStd {
         positions: vec![[None; 3]; creature.joints().len()],
@@ -488,23 +483,18 @@ fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
             creature.joints().len(),
             creature.dof_elements(),
             creature.name()
-        )
-        .into());
+        ));
     }
     for (joint, pose) in creature.joints().iter().zip(&schema.limb_poses) {
         let turned = pose.rotation.tr_mul(&pose.rotation) - Matrix3::identity();
         if turned.amax() > UNIT_LENGTH || pose.rotation.determinant() < 0.0 {
-            return Err(
-                format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name).into()
-            );
+            return Err(format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name));
         }
     }
     for (dof, axis) in creature.dofs().zip(&schema.axes) {
         let length = axis.norm();
         if dof.kind != DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
-            return Err(
-                format!("the axis of \"{}\" has length {length}: divide it by its length", dof.name).into()
-            );
+            return Err(format!("the axis of \"{}\" has length {length}: divide it by its length", dof.name));
         }
     }
     Ok(())

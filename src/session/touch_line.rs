@@ -89,8 +89,7 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             touch.posture.len(),
             creature.name(),
             creature.coordinates()
-        )
-        .into());
+        ));
     }
     for dof in creature.elements() {
         let coordinates = dof.of(&touch.posture);
@@ -98,8 +97,7 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             return Err(format!(
                 "the posture's {} is not a finite number: give one, or leave the touch out",
                 dof.name
-            )
-            .into());
+            ));
         }
         let (possible, unit) = match dof.kind {
             DofKind::Hinge => (coordinates.iter().all(|x| is_angle(*x)), "radians"),
@@ -119,16 +117,14 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             return Err(format!(
                 "the posture's {} is {}, far beyond its range of {low:.3} to {high:.3}: give {unit}, or leave the touch out",
                 dof.name, coordinates[0]
-            )
-            .into());
+            ));
         }
         let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
         if dof.kind == DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
             return Err(format!(
                 "the posture's quaternion of {} has length {length}: divide it by its length",
                 dof.name
-            )
-            .into());
+            ));
         }
     }
     let limbs = [limb_name(agent, touch.ends[0].receptor)?, limb_name(agent, touch.ends[1].receptor)?];
@@ -137,8 +133,7 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
         return Err(format!(
             "both \"{}\" and \"{}\" are on limb {}, but a touch needs two limbs: leave it out",
             a.id, b.id, limbs[0]
-        )
-        .into());
+        ));
     }
     let contact = touch.exact_contact();
     for (k, receptor) in [a, b].into_iter().enumerate() {
@@ -147,11 +142,10 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             return Err(format!(
                 "the contact at \"{}\" is not three finite numbers: give them, or leave the touch out",
                 receptor.id
-            )
-            .into());
+            ));
         }
         if let Some(fault) = place_fault(&point) {
-            return Err(format!("the contact at \"{}\" {fault}, or leave the touch out", receptor.id).into());
+            return Err(format!("the contact at \"{}\" {fault}, or leave the touch out", receptor.id));
         }
         let reach = receptor.position.norm() + receptor.half_extents.iter().sum::<f64>();
         let away = (point - receptor.position).norm();
@@ -159,16 +153,14 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             return Err(format!(
                 "the contact at \"{}\" is {away:.3} m from it: give metres in the limb's frame, or leave the touch out",
                 receptor.id
-            )
-            .into());
+            ));
         }
         if let Some(wrong) = contact.deviations[k].filter(|std| !(is_deviation(*std) && std.is_finite())) {
             return Err(format!(
                 "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
                  the most, or null",
                 receptor.id
-            )
-            .into());
+            ));
         }
     }
     if let Some(moment) = touch.moment {
@@ -177,7 +169,7 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             if !(0.0..=GREATEST_MOMENT).contains(&wrong) {
                 return Err(format!(
                     "its {what} is {wrong}: give a number from 0 to {GREATEST_MOMENT}, or none of time, force and depth"
-                ).into());
+                ));
             }
         }
     }

@@ -76,8 +76,7 @@ impl TouchHeader {
             return Err(format!(
                 "its units are \"{}\", not \"{UNITS}\": convert its numbers to metres and radians",
                 self.units
-            )
-            .into());
+            ));
         }
         if self.creature != creature.name() || self.coordinates != creature.coordinates() {
             return Err(format!(
@@ -87,8 +86,7 @@ impl TouchHeader {
                 self.coordinates,
                 creature.name(),
                 creature.coordinates()
-            )
-            .into());
+            ));
         }
         Ok(())
     }
@@ -108,16 +106,14 @@ fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> R
                 "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin that the touches were \
                  recorded with, or mend the line",
                 found.limbs[k]
-            )
-            .into());
+            ));
         }
         let away = (vector(&found.positions[k]) - skin.receptors[receptor].position).norm();
         if away.is_nan() || away > SAME_POSITION {
             return Err(format!(
                 "the position of receptor \"{id}\" is not the skin's: give the skin that the touches were \
                  recorded with, or mend the line"
-            )
-            .into());
+            ));
         }
         Ok(TouchEnd::at(receptor))
     };

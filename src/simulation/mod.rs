@@ -34,9 +34,3 @@ pub use probe::{PROBE_RADIUS, STIFFNESS};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 pub use stage::{Stage, StageOptions, StepSenses, Watcher};
 pub use thing::{Substance, Thing};
-
-/// Why the engine failed.
-pub use crate::error::Error as EngineError;
-
-/// What comes of what the engine does.
-pub type EngineResult<T> = Result<T, EngineError>;

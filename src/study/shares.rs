@@ -156,7 +156,7 @@ fn trial_file(folder: &Path, seed: u64) -> PathBuf {
 /// Writes a file whole or not at all.
 fn write(path: &Path, content: &impl Serialize) -> Result<(), Error> {
     let text = serde_json::to_string(content).map_err(|error| Error::unfit(path, error.to_string()))?;
-    Ok(write_whole(path, format!("{text}\n").as_bytes()).map_err(Error::unwritable(path))?)
+    write_whole(path, format!("{text}\n").as_bytes()).map_err(Error::unwritable(path))
 }
 
 fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Error> {

@@ -24,11 +24,11 @@ use self::escape::{Escape, Group, Threat, threats, tiers};
 use self::keeping::{Kept, kept};
 use self::seen_thing::{Look, SeenThing, ThingCourse};
 use super::actor::Actor;
+use crate::error::Result;
 use crate::geometry::Ball;
 use crate::kinematics::Place;
 use crate::peripersonal::Obstacle;
 use crate::senses::{Approach, SkinContact};
-use crate::simulation::EngineResult;
 
 /// The fastest that a joint turns when it gets out of the way, radians a second.
 pub const QUICK: f64 = 3.0;
@@ -95,7 +95,7 @@ impl Avoiding {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn step(&mut self, actor: &mut Actor) -> EngineResult<Vec<SkinContact>> {
+    pub fn step(&mut self, actor: &mut Actor) -> Result<Vec<SkinContact>> {
         let now = actor.posture();
         let goal = self.goal.filter(|goal| !self.waits(goal));
         let target = self.towards(actor, &now, goal).unwrap_or(now);

@@ -22,8 +22,8 @@ use super::actor::Actor;
 use super::tasks::{Grip, Search, tried};
 use super::things::{KnownThing, ThingId, Things};
 use crate::creature::Posture;
+use crate::error::{Error, Result};
 use crate::peripersonal::ReachableMap;
-use crate::simulation::{EngineError, EngineResult};
 
 /// The voxels of the map that tells what its hands reach, metres.
 const VOXEL: f64 = 0.04;
@@ -112,7 +112,7 @@ impl Conversation {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn new(mut actor: Actor) -> Result<Conversation, EngineError> {
+    pub fn new(mut actor: Actor) -> Result<Conversation, Error> {
         let ready = actor.ready();
         if actor.posture().distance(&ready) > 0.0 {
             tried(actor.go(&ready))?;
@@ -146,7 +146,7 @@ impl Conversation {
     ///
     /// # Errors
     /// Where the engine fails; all else is said in the reply.
-    pub fn hear(&mut self, said: &str) -> Result<Reply, EngineError> {
+    pub fn hear(&mut self, said: &str) -> Result<Reply, Error> {
         let mut understood = self.language.understand(said);
         match self.pending.take() {
             Some(Pending::Whether(request)) => {
@@ -187,7 +187,7 @@ impl Conversation {
     ///
     /// # Errors
     /// Where the engine fails; all else is said in the reply.
-    pub fn touched(&mut self, receptor: usize) -> Result<Reply, EngineError> {
+    pub fn touched(&mut self, receptor: usize) -> Result<Reply, Error> {
         let id = &self.actor.own.skin().receptors[receptor].id;
         let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
         let answer = match self.doubt() {
@@ -201,7 +201,7 @@ impl Conversation {
     }
 
     /// Puts a hand to where it feels a touch.
-    fn puts_hand(&mut self, receptor: usize, feels: &str) -> EngineResult<Answer> {
+    fn puts_hand(&mut self, receptor: usize, feels: &str) -> Result<Answer> {
         self.leave_spot();
         self.let_be();
         let touched = self.actor.touch_own(receptor);
@@ -235,7 +235,7 @@ impl Conversation {
         request: Request,
         leave: Option<Leave>,
         unknown: &[UnknownWord],
-    ) -> Result<Reply, EngineError> {
+    ) -> Result<Reply, Error> {
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(unknown)) };
         let answer = match (&kind.act, leave) {
@@ -273,7 +273,7 @@ impl Conversation {
     }
 
     /// Does what is asked for, for which there is leave.
-    fn moves(&mut self, request: &Request, leave: Leave) -> Result<Reply, EngineError> {
+    fn moves(&mut self, request: &Request, leave: Leave) -> Result<Reply, Error> {
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(&[])) };
         let doubt = if kind.needs_body { self.doubt() } else { None };
@@ -337,7 +337,7 @@ impl Conversation {
     }
 
     /// Puts down what it holds, unless what it is to do is done with it.
-    fn put_by(&mut self, intent: Intent) -> Result<(), EngineError> {
+    fn put_by(&mut self, intent: Intent) -> Result<(), Error> {
         use Intent::{BringNear, LeanBack, LeanForward, LetGo, Lift, PutAside, PutFar, Repeat};
         let keeps = match intent {
             Lift | LetGo | Repeat => true,
@@ -409,7 +409,7 @@ impl Conversation {
     }
 
     /// Lowers what it holds until it stands; what it holds it with, in words, and whether it was felt to stand. Palms let go.
-    fn put_down(&mut self, held: Held) -> Result<(String, bool), EngineError> {
+    fn put_down(&mut self, held: Held) -> Result<(String, bool), Error> {
         match held {
             Held::Stuck { receptor, raised } => {
                 let lowered = tried(self.actor.lower(receptor, raised))?;

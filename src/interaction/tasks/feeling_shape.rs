@@ -6,11 +6,11 @@ use nalgebra::Vector3;
 
 use super::Trouble;
 use crate::creature::Posture;
+use crate::error::Result;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
 use crate::peripersonal::{FeltShape, Obstacle, PlacedSkin, PosturePath, ReachTarget, ShapeEstimate};
 use crate::senses::{SkinContact, Toucher};
-use crate::simulation::EngineResult;
 
 /// Directions in which a thing can extend …
 const SIDES: usize = 60;
@@ -264,7 +264,7 @@ impl Actor {
     }
 
     /// Draws back, a little at first; whether it touches the thing no more. Where it does it would drag it along, and stays.
-    fn draws_off(&mut self, way: [Posture; 2]) -> EngineResult<bool> {
+    fn draws_off(&mut self, way: [Posture; 2]) -> Result<bool> {
         for posture in way {
             let stop = self.follow(&PosturePath(vec![posture.clone()]), SWIFT, |_, _| true)?;
             let touched = match stop {

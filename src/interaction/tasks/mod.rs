@@ -27,10 +27,10 @@ pub use two_palms::PalmPlan;
 
 use super::actor::{Actor, Hand, SWIFT, Stop};
 use crate::creature::Posture;
+use crate::error::{Error, Result};
 use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{OutOfReach, PosturePath, find_path};
 use crate::senses::SkinContact;
-use crate::simulation::{EngineError, EngineResult};
 
 /// How clear ways keep of everything, metres.
 const MARGIN: f64 = 0.006;
@@ -57,12 +57,12 @@ pub enum Trouble {
     /// A thing slipped out from between the palms.
     Slipped,
     /// The engine failed.
-    Engine(EngineError),
+    Engine(Error),
 }
 
 impl Trouble {
     /// What hinders the task alone: a failure of the engine is passed on.
-    pub(in crate::interaction) fn of_task(self) -> EngineResult<Trouble> {
+    pub(in crate::interaction) fn of_task(self) -> Result<Trouble> {
         match self {
             Trouble::Engine(error) => Err(error),
             trouble => Ok(trouble),
@@ -71,15 +71,15 @@ impl Trouble {
 }
 
 /// What was done, `None` if something hindered it that does not matter; only a failure of the engine is passed on.
-pub(in crate::interaction) fn tried<T>(result: Result<T, Trouble>) -> EngineResult<Option<T>> {
+pub(in crate::interaction) fn tried<T>(result: Result<T, Trouble>) -> Result<Option<T>> {
     match result {
         Ok(done) => Ok(Some(done)),
         Err(trouble) => trouble.of_task().map(|_| None),
     }
 }
 
-impl From<EngineError> for Trouble {
-    fn from(error: EngineError) -> Trouble {
+impl From<Error> for Trouble {
+    fn from(error: Error) -> Trouble {
         Trouble::Engine(error)
     }
 }
@@ -177,7 +177,7 @@ impl Actor {
     }
 
     /// Goes back the way that it came from what was met on it.
-    fn back_off(&mut self, contacts: &[SkinContact], far: f64) -> EngineResult<()> {
+    fn back_off(&mut self, contacts: &[SkinContact], far: f64) -> Result<()> {
         if let Some(way) = contacts.first().and_then(|contact| self.back_by(contact.spot.receptor, far)) {
             self.follow(&way, SWIFT, |_, _| false)?;
         }

@@ -167,7 +167,7 @@ fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
         let place = Some(place.trim_end_matches('.')).filter(|place| !place.is_empty());
         let place = place.map_or(String::new(), |place| format!("{place}: "));
         let mend = "mend it as the documentation of the creature's file says";
-        format!("{place}{}: {mend}", error.inner()).into()
+        format!("{place}{}: {mend}", error.inner())
     })
 }
 
@@ -177,7 +177,7 @@ impl NameOrIndex {
         match self {
             NameOrIndex::Index(index) => Ok(*index),
             NameOrIndex::Name(name) => limbs.iter().position(|other| other == name).ok_or_else(|| {
-                format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another").into()
+                format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another")
             }),
         }
     }
@@ -199,8 +199,7 @@ impl CreatureEntry {
                 return Err(format!(
                     "{place}.limb is another than limb {} of the list, \"{name}\": put joints and limbs in one order",
                     j + 1
-                )
-                .into());
+                ));
             }
             let own = joint.dofs.into_iter().enumerate();
             let own = own.map(|(d, dof)| dof.dof(&dofs, &format!("{place}.dofs[{d}]")));
@@ -212,7 +211,7 @@ impl CreatureEntry {
             Ok(AuraLimb { name: aura.name, limbs: of.collect::<Result<_, _>>()? })
         };
         let auras = aura_limbs.into_iter().enumerate().map(aura).collect::<Result<_, _>>()?;
-        Creature::new(name, limbs, made, auras).map_err(|error| error.to_string().into())
+        Creature::new(name, limbs, made, auras).map_err(|error| error.to_string())
     }
 }
 
@@ -224,7 +223,7 @@ impl DofEntry {
             (None, DofKind::Hinge) => [-PI, PI],
             (None, DofKind::Ball) => [0.0, PI],
             (None, DofKind::Slide) => {
-                return Err(format!("{place} is a slide and has no range: give its ends in metres").into());
+                return Err(format!("{place} is a slide and has no range: give its ends in metres"));
             }
         };
         let follows = self.follows.map(|CouplingEntry { leader, polynomial }| {
@@ -268,15 +267,14 @@ fn check_names(limbs: &[String], dofs: &[String], joints: &[JointEntry]) -> Resu
     for (names, what) in [(limbs, "limbs"), (dofs, "degrees of freedom")] {
         let mut seen = BTreeSet::new();
         if let Some(twice) = names.iter().find(|name| !seen.insert(*name)) {
-            return Err(format!("two {what} are called \"{twice}\": give each a name of its own").into());
+            return Err(format!("two {what} are called \"{twice}\": give each a name of its own"));
         }
     }
     match joints.iter().find(|joint| joint.dofs.is_empty()) {
         Some(fixed) => Err(format!(
             "joint \"{}\" has no degrees of freedom: what does not move is a part of its parent limb, leave it out",
             fixed.name
-        )
-        .into()),
+        )),
         None if joints.is_empty() => Err("it has no joint: give at least one".into()),
         None => Ok(()),
     }

@@ -267,9 +267,7 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
                 } else {
                     "give the skin that the touches were recorded with"
                 };
-                return Err(
-                    format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]).into()
-                );
+                return Err(format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]));
             }
             _ => None,
         },
@@ -281,13 +279,13 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
             end.receptor.as_deref().unwrap_or_default(),
             creature.limbs()[felt],
             creature.limbs()[named]
-        ).into()),
+        )),
         (Some(limb), _) => Ok(limb),
         (None, Some(_)) if end.point.is_none() => Err(format!(
             "end {side} has a limb but no point on it: give the point of contact in the limb's frame, or a receptor"
-        ).into()),
+        )),
         (None, Some(limb)) => Ok(limb),
-        (None, None) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin").into()),
+        (None, None) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin")),
     }
 }
 

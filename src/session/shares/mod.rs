@@ -23,7 +23,7 @@ impl ShareRecord for Session {
     const OF: &'static str = "session";
 
     fn read(folder: &Path) -> Result<Session, Error> {
-        Ok(Session::read(folder)?)
+        Session::read(folder)
     }
 
     fn share(&self) -> Option<&str> {

@@ -72,9 +72,8 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
             .any(|g| body.feels(g) && Shape::of_geom(&model, g).is_some_and(|shape| !shape.is_solid()));
         return Err(unsuitable(if meshes {
             "its moving bodies have flat meshes alone, on which no skin grows: give them capsules or boxes too"
-                .into()
         } else {
-            "no geom of a moving body can touch anything: give it geoms".into()
+            "no geom of a moving body can touch anything: give it geoms"
         }));
     }
     let auras = add_auras(&mut root, &body, digits(&sprouts))?;

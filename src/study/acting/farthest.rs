@@ -57,7 +57,7 @@ fn hold(scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<(OnStage, usize)>,
 fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result<Row, Error> {
     let truth = &scene.truth.own;
     if lean && let Err(Trouble::Engine(error)) = actor.make_way_to_lean(receptor, EFFORT) {
-        return Err(error.into());
+        return Err(error);
     }
     let limb = actor.own.place(receptor).limb;
     let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
@@ -95,7 +95,7 @@ fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result
     let tilt = (after.rotation * was_up).z.clamp(-1.0, 1.0).acos().to_degrees();
     row["error_mm"] = json!(1e3 * off);
     row["result"] = json!(match result {
-        Err(Trouble::Engine(error)) => return Err(error.into()),
+        Err(Trouble::Engine(error)) => return Err(error),
         Err(trouble) => trouble.to_string(),
         Ok(_) if after.translation.z <= TOP - BELOW => "it fell off the table".into(),
         Ok(_) if tilt > FELL => "it fell over".into(),

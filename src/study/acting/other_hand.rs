@@ -182,7 +182,7 @@ fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<Row, Error> {
     let result = actor.touch(&felt.found, hand, true, 1);
     row["unintended"] = json!(actor.unintended > 0);
     row["result"] = json!(match result {
-        Err(Trouble::Engine(error)) => return Err(error.into()),
+        Err(Trouble::Engine(error)) => return Err(error),
         Err(trouble) => trouble.to_string(),
         Ok(touching) if touching.found.thing != felt.found.thing => "something else".into(),
         Ok(touching) => {

@@ -2,10 +2,10 @@
 
 use super::super::Conversation;
 use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
+use crate::error::{Error, Result};
 use crate::interaction::FoundThing;
 use crate::interaction::tasks::tried;
 use crate::interaction::things::{KnownThing, ThingId};
-use crate::simulation::{EngineError, EngineResult};
 
 /// What is no farther behind a thing than this is told of as behind it, metres.
 const BEHIND: f64 = 0.15;
@@ -122,12 +122,12 @@ impl Conversation {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn count(&mut self, hand: Option<usize>) -> Result<Reply, EngineError> {
+    pub fn count(&mut self, hand: Option<usize>) -> Result<Reply, Error> {
         let answer = self.counted(hand)?;
         Ok(self.reply(Intent::Explore, answer))
     }
 
-    fn counted(&mut self, hand: Option<usize>) -> EngineResult<Answer> {
+    fn counted(&mut self, hand: Option<usize>) -> Result<Answer> {
         if !self.begin(hand)? {
             return Ok(Answer::failed(NO_TABLE));
         }
@@ -164,7 +164,7 @@ impl Conversation {
     }
 
     /// Sweeps the table with one hand, or with one after the other, until something is felt.
-    fn sweep(&mut self, hand: Option<usize>) -> EngineResult<Option<FoundThing>> {
+    fn sweep(&mut self, hand: Option<usize>) -> Result<Option<FoundThing>> {
         for hand in hand.map_or(vec![1, 0], |hand| vec![hand]) {
             if let Some(found) = tried(self.actor.explore(hand))?.flatten() {
                 return Ok(Some(found));
@@ -175,7 +175,7 @@ impl Conversation {
     }
 
     /// Lowers the hands onto the table where it is not known yet, and remembers what one of them met above it.
-    fn know_table(&mut self) -> EngineResult<Option<FoundThing>> {
+    fn know_table(&mut self) -> Result<Option<FoundThing>> {
         match self.actor.table {
             Some(_) => Ok(None),
             None => Ok(tried(self.actor.find_table())?.flatten()),
@@ -183,7 +183,7 @@ impl Conversation {
     }
 
     /// Has a search to go on with, anew where the last one is done; whether there is a table.
-    fn begin(&mut self, hand: Option<usize>) -> EngineResult<bool> {
+    fn begin(&mut self, hand: Option<usize>) -> Result<bool> {
         self.let_be();
         if let Some(met) = self.know_table()? {
             self.things.remember(&met, None);

@@ -6,10 +6,10 @@ mod plan;
 mod search;
 
 use crate::creature::Posture;
+use crate::error::Result;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop as Ended};
 use crate::peripersonal::{Obstacle, OutOfReach, PosturePath, TablePlane, straight};
-use crate::simulation::EngineResult;
 use plan::CLEAR;
 pub use plan::SearchPlan;
 pub use search::{Feeling, Search};
@@ -55,7 +55,7 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn touch_anew(&mut self, found: &FoundThing) -> EngineResult<Option<FoundThing>> {
+    pub fn touch_anew(&mut self, found: &FoundThing) -> Result<Option<FoundThing>> {
         match self.follow(&PosturePath(vec![found.posture.clone()]), CAREFUL, |_, _| true)? {
             Ended::Felt(contacts) => Ok(contacts.iter().find_map(|contact| self.found(contact))),
             Ended::Arrived => Ok(None),
@@ -66,7 +66,7 @@ impl Actor {
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn search_on(&mut self, search: &mut Search) -> EngineResult<Option<Feeling>> {
+    pub fn search_on(&mut self, search: &mut Search) -> Result<Option<Feeling>> {
         loop {
             let Some(to) = search.following() else {
                 if search.done {
@@ -114,12 +114,7 @@ impl Actor {
     }
 
     /// Goes along a way, takes down what it passes, and draws back at once from what it feels.
-    fn feel_along(
-        &mut self,
-        search: &mut Search,
-        way: &PosturePath,
-        speed: f64,
-    ) -> EngineResult<Option<Feeling>> {
+    fn feel_along(&mut self, search: &mut Search, way: &PosturePath, speed: f64) -> Result<Option<Feeling>> {
         let since = self.steps();
         let ended = self.follow(way, speed, |_, _| true)?;
         search.map.begin_motion();
@@ -157,7 +152,7 @@ impl Actor {
     }
 
     /// Lifts the hand, takes it over a place, and lets it down there.
-    fn come_down_at(&mut self, search: &mut Search, to: [usize; 2]) -> EngineResult<Option<Feeling>> {
+    fn come_down_at(&mut self, search: &mut Search, to: [usize; 2]) -> Result<Option<Feeling>> {
         let stop = search.stop(to).clone();
         let other = search.at.map(|(at, _)| search.stop(at).clone()).filter(|at| at.hand != stop.hand);
         if let Some(at) = search.at.map(|(at, _)| search.stop(at).clone()) {
