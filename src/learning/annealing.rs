@@ -63,12 +63,8 @@ pub struct Annealed {
     pub schema: BodySchema,
     /// The deviation of the gap at the end, metres: the noise of the touches, or [`NARROWEST`].
     pub gap_deviation: f64,
-    /// Half of the gaps are smaller, metres.
-    pub median_gap: f64,
     /// Eight tenths of the gaps are smaller, metres.
     pub p80_gap: f64,
-    /// Linearizations used.
-    pub iterations: usize,
 }
 
 /// The absolute gaps of all touches under a schema, sorted, metres.
@@ -117,13 +113,10 @@ pub fn anneal_to(
 ) -> Annealed {
     let AnnealingLimits { narrowest, deadline, exact } = limits;
     let skin = agent.skin();
-    let mut iterations = 0;
-    let mut fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
+    let fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
         let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
-        let solution = levenberg_marquardt(&mut problem, schema, stopping);
-        iterations += solution.iterations;
-        solution.state
+        levenberg_marquardt(&mut problem, schema, stopping).state
     };
     // Parameters take up a part of the gaps.
     let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
@@ -132,10 +125,9 @@ pub fn anneal_to(
         let found = gaps(skin, touches, schema);
         (scatter * quantile(&found, 0.5), quantile(&found, WIDE))
     };
-    let annealed = |schema: BodySchema, gap_deviation: f64, iterations: usize| {
-        let found = gaps(skin, touches, &schema);
-        let (median_gap, p80_gap) = (quantile(&found, 0.5), quantile(&found, 0.8));
-        Annealed { schema, gap_deviation, median_gap, p80_gap, iterations }
+    let annealed = |schema: BodySchema, gap_deviation: f64| {
+        let p80_gap = quantile(&gaps(skin, touches, &schema), 0.8);
+        Annealed { schema, gap_deviation, p80_gap }
     };
     let (mut noise, mut wide) = measure(&start);
     let (mut least, mut best) = (noise, start.clone());
@@ -158,7 +150,7 @@ pub fn anneal_to(
             (least, best) = (noise, schema.clone());
         }
         if exact && deviation < NEARLY_CLOSED && noise > HOPELESS * deviation {
-            return annealed(best, least, iterations);
+            return annealed(best, least);
         }
         // Narrower than the noise the fit becomes a vote of a few; a little way into it shows that it is noise.
         if deviation <= narrowest || vain >= VAIN || deadline.has_passed() {
@@ -174,5 +166,5 @@ pub fn anneal_to(
         deviation = again.clamp(narrowest, WIDEST);
         schema = fit(schema, deviation, last);
     }
-    annealed(schema, deviation, iterations)
+    annealed(schema, deviation)
 }

@@ -45,19 +45,6 @@ pub trait LeastSquares {
     fn step(&self, state: &Self::State, step: &DVector<f64>) -> Self::State;
 }
 
-/// Why the iteration stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Termination {
-    /// The cost fell by less than the relative tolerance.
-    Converged,
-    /// No damping gave a lower cost: a minimum to rounding.
-    NoLowerCost,
-    /// The given number of iterations was used up.
-    IterationLimit,
-    /// The cost was not a finite number at the start.
-    NotFinite,
-}
-
 /// When to stop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stopping {
@@ -71,17 +58,13 @@ pub struct Stopping {
     pub deadline: Deadline,
 }
 
-/// Where the iteration stopped, and why.
+/// Where the iteration stopped.
 #[derive(Clone, Debug)]
 pub struct Solution<S> {
     /// The state of least cost.
     pub state: S,
     /// Its cost under the last weights.
     pub cost: f64,
-    /// Linearizations used.
-    pub iterations: usize,
-    /// Why it stopped.
-    pub termination: Termination,
 }
 
 /// Minimises the problem's cost from `start`.
@@ -95,23 +78,14 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     let mut growth = 2.0;
     let mut cost = f64::INFINITY;
     let mut small_steps = 0;
-    for iteration in 0..stopping.iterations {
+    for _ in 0..stopping.iterations {
         if stopping.deadline.has_passed() {
             break;
         }
         let model = problem.linearize(&state);
         cost = model.cost;
-        let done = |state: P::State, cost, termination| Solution {
-            state,
-            cost,
-            iterations: iteration + 1,
-            termination,
-        };
-        if !cost.is_finite() {
-            return done(state, cost, Termination::NotFinite);
-        }
-        if cost <= stopping.cost || model.gradient.is_empty() {
-            return done(state, cost, Termination::Converged);
+        if !cost.is_finite() || cost <= stopping.cost || model.gradient.is_empty() {
+            return Solution { state, cost };
         }
         let floor = 1e-9 * model.scale.amax().max(f64::MIN_POSITIVE);
         loop {
@@ -138,15 +112,16 @@ pub fn levenberg_marquardt<P: LeastSquares>(
             }
             damping *= growth;
             growth *= 2.0;
+            // No damping gives a lower cost: a minimum to rounding.
             if damping > 1e12 {
-                return done(state, cost, Termination::NoLowerCost);
+                return Solution { state, cost };
             }
         }
         if small_steps >= 2 {
-            return done(state, cost, Termination::Converged);
+            break;
         }
     }
-    Solution { state, cost, iterations: stopping.iterations, termination: Termination::IterationLimit }
+    Solution { state, cost }
 }
 
 /// `xᵀ A x` of a symmetric matrix given by its lower triangle.

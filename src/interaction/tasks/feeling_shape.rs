@@ -55,10 +55,6 @@ pub struct ShapeFeeling {
     pub shape: ShapeEstimate,
     /// Touches that it is known from, each with the small motions after it.
     pub touches: usize,
-    /// Contacts in all of those.
-    pub contacts: usize,
-    /// Sides to which there was no way.
-    pub barred: usize,
 }
 
 /// How coming to a side of a thing ended.
@@ -90,7 +86,7 @@ impl Actor {
         // Where it cannot go back, the next motion says so.
         let _ = self.withdraw(found, &ready);
         let mut shape = felt.estimate().ok_or(Trouble::Nothing)?;
-        let (mut tried, mut barred, mut touched): (Vec<Vector3<f64>>, usize, usize) = (Vec::new(), 0, 1);
+        let (mut tried, mut touched): (Vec<Vector3<f64>>, usize) = (Vec::new(), 1);
         for _ in 0..TRIES * touches {
             if touched >= touches {
                 break;
@@ -100,14 +96,11 @@ impl Actor {
             match self.touch_side(&mut felt, &shape, side, stands)? {
                 Come::Touched => touched += 1,
                 Come::Empty => {}
-                Come::Barred => {
-                    barred += 1;
-                    continue;
-                }
+                Come::Barred => continue,
             }
             shape = felt.estimate().ok_or(Trouble::Nothing)?;
         }
-        Ok(ShapeFeeling { shape, touches: touched, contacts: felt.touches_so_far(), barred })
+        Ok(ShapeFeeling { shape, touches: touched })
     }
 
     /// Goes to a posture about a thing whose shape is known.

@@ -93,8 +93,6 @@ pub struct Grip {
     pub gripped: f64,
     /// The force that each palm is to feel, newtons.
     pub force: f64,
-    /// How often he had to begin again.
-    pub corrections: usize,
     /// The highest at which anything of it was felt, metres over the table.
     tallest: f64,
     /// Where between the palms it was last felt, in the root's frame.
@@ -151,7 +149,6 @@ impl Actor {
                 gripped: 0.0,
                 tallest,
                 thing: found.thing,
-                corrections: correction,
                 last_felt: None,
                 felt_at: None,
                 force,

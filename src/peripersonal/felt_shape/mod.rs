@@ -143,11 +143,6 @@ impl FeltShape {
         self.clear.push(skin);
     }
 
-    /// How many touches there are.
-    pub fn touches_so_far(&self) -> usize {
-        self.touching.len()
-    }
-
     /// The body that explains best what was felt; none before there is a touch. It goes on from the last estimate where that
     /// explains what has been felt since.
     pub fn estimate(&mut self) -> Option<ShapeEstimate> {
