@@ -145,13 +145,12 @@ mod tests {
 
     use super::*;
     use crate::creature::Posture;
-    use crate::senses::{ExactContact, Touch, TouchEnd};
+    use crate::senses::{Touch, TouchEnd};
 
     fn touch(bout: u64, motion: u64) -> RecordedTouch {
         let ends = [TouchEnd::at(0), TouchEnd::at(1)];
         let touch = Touch { bout, motion, posture: Posture::default(), ends, moment: None };
-        let contact = ExactContact { points: Default::default(), deviations: [None; 2], depth: None };
-        RecordedTouch::new(touch, contact)
+        RecordedTouch::new(touch, Default::default())
     }
 
     fn effort(motions: u64) -> Effort {
