@@ -142,7 +142,6 @@ pub(super) fn gather(
 
 #[cfg(test)]
 mod tests {
-
     use super::*;
     use crate::creature::Posture;
     use crate::senses::{Touch, TouchEnd};

@@ -1,12 +1,10 @@
 //! A touch as it is recorded: with the exact contact, which the agent does not feel.
 
-use std::collections::BTreeSet;
 use std::ops::{Deref, DerefMut};
 
 use nalgebra::Vector3;
 
-use super::{FeltPoint, Input, SkinPlace, Touch};
-use crate::skin::Skin;
+use super::{FeltPoint, Input, SkinSpot, Touch};
 
 /// Where and how deep two surfaces met exactly: what the engine computes or a recording measured. Evaluation, tests and
 /// files have it; the agent's folders never name it.
@@ -22,8 +20,8 @@ pub struct ExactContact {
 
 impl ExactContact {
     /// The contact of two places on the skin.
-    pub fn of(places: [SkinPlace; 2]) -> ExactContact {
-        ExactContact { points: places.map(|place| place.point), ..ExactContact::default() }
+    pub fn of(spots: [SkinSpot; 2]) -> ExactContact {
+        ExactContact { points: spots.map(|spot| spot.point), deviations: [None; 2], depth: None }
     }
 }
 
@@ -77,7 +75,8 @@ impl DerefMut for RecordedTouch {
     }
 }
 
-/// The pairs of limbs that touched.
-pub fn limb_pairs(skin: &Skin, touches: &[RecordedTouch]) -> BTreeSet<[usize; 2]> {
-    touches.iter().map(|touch| touch.limbs(skin)).collect()
+impl AsRef<Touch> for RecordedTouch {
+    fn as_ref(&self) -> &Touch {
+        &self.touch
+    }
 }

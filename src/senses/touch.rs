@@ -1,5 +1,7 @@
 //! A touch: two receptors that met, and the posture they met in.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +55,11 @@ impl TouchEnd {
             _ => skin.receptors[self.receptor].position,
         }
     }
+}
+
+/// The pairs of limbs that touched.
+pub fn limb_pairs(skin: &Skin, touches: &[impl AsRef<Touch>]) -> BTreeSet<[usize; 2]> {
+    touches.iter().map(|touch| touch.as_ref().limbs(skin)).collect()
 }
 
 /// When and how hard limbs met that were moved by forces.
