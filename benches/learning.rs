@@ -39,7 +39,7 @@ const ONE_ITERATION: Stopping =
 /// Touches of exact points on `creature`, made ready for a solver.
 fn prepare(agent: &Agent, touches: &[RecordedTouch]) -> TouchSet {
     let prepared = touches.iter().map(|touch| {
-        let limbs = touch.ends.map(|end| agent.skin().receptors[end.receptor].limb);
+        let limbs = touch.limbs(agent.skin());
         let ends = [0, 1].map(|k| Observation {
             receptor: touch.ends[k].receptor,
             position: touch.exact_contact().points[k],

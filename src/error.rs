@@ -54,7 +54,7 @@ pub(crate) enum Kind {
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// Whether it is about a file or folder other than a model: it cannot be read or written, another process has it, or its
+    /// Whether it is about a file or folder: it cannot be read or written, another process has it, or its
     /// content is not what it should be.
     pub fn is_file(&self) -> bool {
         matches!(self.0.kind, Kind::File | Kind::Busy)

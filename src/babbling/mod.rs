@@ -296,19 +296,20 @@ impl<'a> Babbler<'a> {
         self.ended(options.touches, received, before)
     }
 
-    /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, or one motion
-    /// after the other. Returns what it cost, and what was learned on the way by a policy that learns all that can be.
+    /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, from where those in `from` end, or
+    /// one motion after the other from the beginning on. Returns what it cost, and what was learned on the way by a policy that learns all that can be.
     ///
     /// # Errors
     /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
     pub fn babble_by(
         &self,
         policy: PolicyName,
+        from: BoutsDone,
         options: &BabblingOptions,
         receive: impl FnMut(Made) -> Result<(), Error>,
     ) -> Result<(Effort, Option<Growth>), Error> {
         if policy == PolicyName::Random {
-            return Ok((self.babble_on(BoutsDone::default(), options, receive)?, None));
+            return Ok((self.babble_on(from, options, receive)?, None));
         }
         let start = PolicyStart { seed: options.seed, input: self.input, deadline: self.deadline };
         let mut policy = policy.policy(self.movers.agent(), start);

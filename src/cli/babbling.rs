@@ -138,21 +138,18 @@ impl BabbleArguments {
 pub struct Prepared {
     pub embodied: Embodied,
     pub setup: SessionSetup,
-    /// Work that it may take.
-    work: Option<f64>,
     /// Where a page is to be served, until it is.
     place: Cell<Option<Place>>,
 }
 
 impl Prepared {
     pub fn new(args: &BabbleArguments) -> Result<Prepared, Failure> {
-        let request = args.request();
         is_there(&args.model, "babble")?;
         let embodied = embodied(args.open.source(&args.model, args.joints.clone().unwrap_or_default()))?;
+        let setup = args.request().setup(&embodied)?;
         // Whether it can be watched is told before any folder is made.
-        let setup = request.setup(&embodied)?;
         let place = Cell::new(args.live.place()?);
-        Ok(Prepared { embodied, setup, work: request.work(), place })
+        Ok(Prepared { embodied, setup, place })
     }
 
     /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may
@@ -162,7 +159,7 @@ impl Prepared {
         let asked = serde_json::to_value(BabbleArguments {
             touches: Some(babbling.touches),
             policy: Some(*policy),
-            work: self.work,
+            work: args.request().work(),
             learning: args.learning.chosen(learning.learner),
             ..args.clone()
         });

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::folders::written_session;
 use super::{Failure, Outcome, output};
+use crate::error::Error;
 use crate::export::ExportFormat;
 use crate::session::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, folder_of, read_schema};
 
@@ -47,7 +48,7 @@ pub fn run(args: &ExportArguments) -> Outcome {
     let session = Session::read(&args.session)?;
     let schema = read_schema(&args.session.join(SCHEMA_FILE), session.agent.creature())?;
     let files = (format.files)(&session.agent, &schema, &path);
-    let _made = MadeFolders::make(folder_of(&path)).map_err(output::not_written(&path))?;
+    let _made = MadeFolders::make(folder_of(&path)).map_err(Error::unwritable(&path))?;
     let mut new = Vec::new();
     for (path, bytes) in &files {
         // What others refer to comes first, and is of no use alone.

@@ -63,12 +63,7 @@ pub fn command_line() -> Vec<String> {
 /// Writes a file of results, whole or not at all. The folders above it are made, and go again where it cannot be written.
 pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
     let written = MadeFolders::make(folder_of(path)).and_then(|_made| write_whole(path, content.as_ref()));
-    Ok(written.map_err(not_written(path))?)
-}
-
-/// Why a file of results is not written.
-pub fn not_written(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
-    Error::unwritable(path)
+    Ok(written.map_err(Error::unwritable(path))?)
 }
 
 /// A summary as a row of a table, in its own unit.

@@ -10,6 +10,7 @@ use nalgebra::Point3;
 use super::open::{ModelArguments, open_to_draw};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, Creature, DofKind, JointSelection, Posture};
+use crate::error::Error;
 use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
 use crate::session::words::listed;
 use crate::session::{MadeFolders, SESSION_FILE, folder_of, model_hash};
@@ -154,7 +155,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
         say!("{out}");
         return Ok(());
     }
-    let _made = MadeFolders::make(folder_of(&args.out)).map_err(output::not_written(&args.out))?;
+    let _made = MadeFolders::make(folder_of(&args.out)).map_err(Error::unwritable(&args.out))?;
     let mut film = Film::begin(&args.out, args.size, args.frames_per_second)?;
     let bar = progress::counted("drawing", plan.shots.len() as u64, "frames");
     let mut drawn: Option<(&Shot, Image)> = None;

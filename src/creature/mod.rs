@@ -19,6 +19,7 @@ pub use coupling::Coupling;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limits, matrix, span};
 pub(crate) use names::{body_name, joint_name, site_name};
 pub use posture::{DofElement, Posture, ball, turn_ball};
+pub(crate) use selection::largest;
 pub use selection::{CreatureInFile, JointSelection, creatures};
 
 use crate::error::{Error, Kind};

@@ -70,6 +70,14 @@ pub struct CreatureInFile {
     pub joints: usize,
 }
 
+/// The creature with most joints in a model, of two with as many the first.
+///
+/// # Errors
+/// If nothing in it can move.
+pub(crate) fn largest(model: &Model) -> Result<CreatureInFile, Error> {
+    creatures(model).into_iter().rev().max_by_key(|creature| creature.joints).ok_or_else(no_joints)
+}
+
 /// All creatures in a model, in its order. What moves freely as a whole but has no joints is none.
 pub fn creatures(model: &Model) -> Vec<CreatureInFile> {
     let mut trees = vec![0; model.nbody()];
@@ -99,10 +107,7 @@ impl Tree {
     /// Where there is no such body, or nothing below it can move.
     pub fn new(model: &Model, root: Option<&str>) -> Result<Tree, Error> {
         let top = match root {
-            None => {
-                let largest = creatures(model).into_iter().rev().max_by_key(|creature| creature.joints);
-                largest.ok_or_else(no_joints)?.root
-            }
+            None => largest(model)?.root,
             Some(name) => named(model, name)?,
         };
         let mut holds = vec![false; model.nbody()];

@@ -1,7 +1,7 @@
 //! Contact residuals: how far apart a schema puts the surfaces that touched.
 
+use super::measures::touch_miss;
 use crate::agent::Agent;
-use crate::kinematics::limb_frames;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::{Input, Learner, SecondOrder};
 use crate::schema::BodySchema;
@@ -37,12 +37,7 @@ impl ContactResiduals {
                 .map(|(limbs, touch)| (limbs, 1e3 * model.gap(&touch.ends, &touch.frames(schema)).distance));
             return ContactResiduals { values: values.collect(), gaps };
         }
-        let distance = |touch: &RecordedTouch| {
-            let frames = limb_frames(agent.creature(), schema, &touch.posture);
-            let limbs = touch.limbs(skin);
-            let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&touch.exact_contact().points[k]));
-            (limbs, 1e3 * (a - b).norm())
-        };
+        let distance = |touch: &RecordedTouch| (touch.limbs(skin), touch_miss(agent, schema, touch));
         ContactResiduals { values: touches.iter().map(distance).collect(), gaps }
     }
 }

@@ -200,7 +200,7 @@ impl Hersch {
 
 impl Learner for Hersch {
     fn touch(&mut self, touch: &Touch) {
-        let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
+        let limbs = touch.limbs(self.agent.skin());
         let places = touch.ends.map(|end| end.position(self.input, self.agent.skin()));
         self.observe_points(&touch.posture, limbs, places);
     }

@@ -38,8 +38,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
-use crate::learning::observation::Observation;
-use crate::learning::touch_set::{NORMAL_DEVIATION, PreparedTouch};
+use crate::learning::touch_set::{LimbTouch, PreparedTouch};
 use crate::learning::{AxisModel, Basis, Learned, Learner, Parameters, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Input;
@@ -186,18 +185,11 @@ fn step(
 
 impl Learner for RelaxedGradient {
     fn touch(&mut self, touch: &Touch) {
-        let [a, b] = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
-        let chain = Chain::between(self.agent.creature(), a, b);
+        let variance = |_| 0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION;
+        let felt = LimbTouch::of(self.agent.skin(), touch, self.input, variance);
+        let chain = Chain::between(self.agent.creature(), felt.limbs[0], felt.limbs[1]);
         let sides = [0, 1].map(|k| ChainSide::new(self.agent.creature(), &chain.sides[k], &touch.posture));
-        let ends = touch.ends.map(|end| Observation {
-            receptor: end.receptor,
-            position: end.position(self.input, self.agent.skin()),
-            covariance: match self.input {
-                Input::Contact => Matrix3::identity() * (0.5 * CONTACT_DEVIATION * CONTACT_DEVIATION),
-                Input::Receptor => self.agent.skin().receptors[end.receptor].covariance(NORMAL_DEVIATION),
-            },
-        });
-        self.touches.push(PreparedTouch { sides, ends });
+        self.touches.push(PreparedTouch { sides, ends: felt.ends });
     }
 
     fn learn(&mut self) -> Learned {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{DMatrix, DVector, Matrix3x2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
 use crate::deadline::count_work;
@@ -14,13 +14,14 @@ use crate::learning::observation::{Observation, ObservationModel, TouchResiduals
 use crate::learning::prior::PriorTerm;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
+use crate::senses::{Input, Touch};
 use crate::skin::Skin;
 
 /// What looking at how a touch is explained counts as, in work of [`count_work`].
 pub(super) const LOOK: usize = 3_000;
 
 /// How far a curved limb is taken to bulge out of a flat patch, metres.
-pub(super) const NORMAL_DEVIATION: f64 = 6e-3;
+const NORMAL_DEVIATION: f64 = 6e-3;
 
 /// One touch as a solver sees it: two points that met in one posture.
 #[derive(Clone, Debug)]
@@ -137,6 +138,25 @@ impl<'a> LimbTouch<'a> {
             covariance: felt[end].covariance(NORMAL_DEVIATION),
         });
         LimbTouch { limbs: felt.map(|receptor| receptor.limb), posture, ends }
+    }
+
+    /// A touch as a skin reports it: of exact points their places, with a variance of each coordinate, m², by the standard
+    /// deviation that they were given with.
+    pub fn of(
+        skin: &Skin,
+        touch: &'a Touch,
+        input: Input,
+        variance: impl Fn(Option<f64>) -> f64,
+    ) -> LimbTouch<'a> {
+        let mut felt = LimbTouch::of_receptors(skin, touch.ends.map(|end| end.receptor), &touch.posture);
+        if input == Input::Contact {
+            for (seen, end) in felt.ends.iter_mut().zip(&touch.ends) {
+                seen.position = end.position(input, skin);
+                let deviation = end.point.and_then(|point| point.deviation);
+                seen.covariance = Matrix3::from_diagonal_element(variance(deviation));
+            }
+        }
+        felt
     }
 
     /// The limbs, the earlier one first, and the touch ready for a solver.

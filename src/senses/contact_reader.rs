@@ -47,11 +47,6 @@ impl ContactReader {
         ContactReader { receptors_on_geom, sensor_of_receptor }
     }
 
-    /// Whether any receptor lies on the geom.
-    pub fn has_skin(&self, geom: usize) -> bool {
-        !self.receptors_on_geom[geom].is_empty()
-    }
-
     /// Reads one contact of `data`, in whose posture poses are computed.
     pub fn read(&self, body: &Body, skin: &Skin, data: &Data, contact: &Contact) -> Reading {
         let limbs = contact.geoms.map(|geom| body.limb_of_geom(geom));

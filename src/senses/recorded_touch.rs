@@ -4,7 +4,7 @@ use std::ops::{Deref, DerefMut};
 
 use nalgebra::Vector3;
 
-use super::{FeltPoint, Input, SkinSpot, Touch};
+use super::{FeltPoint, Input, Touch};
 
 /// Where and how deep two surfaces met exactly: what the engine computes or a recording measured. Evaluation, tests and
 /// files have it; the agent's folders never name it.
@@ -16,13 +16,6 @@ pub struct ExactContact {
     pub deviations: [Option<f64>; 2],
     /// How deep the surfaces were in each other, metres. `None` if no forces were at work.
     pub depth: Option<f64>,
-}
-
-impl ExactContact {
-    /// The contact of two places on the skin.
-    pub fn of(spots: [SkinSpot; 2]) -> ExactContact {
-        ExactContact { points: spots.map(|spot| spot.point), deviations: [None; 2], depth: None }
-    }
 }
 
 /// A touch of the receptors alone, beside the exact contact that it was.
@@ -72,11 +65,5 @@ impl Deref for RecordedTouch {
 impl DerefMut for RecordedTouch {
     fn deref_mut(&mut self) -> &mut Touch {
         &mut self.touch
-    }
-}
-
-impl AsRef<Touch> for RecordedTouch {
-    fn as_ref(&self) -> &Touch {
-        &self.touch
     }
 }

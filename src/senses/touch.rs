@@ -1,6 +1,7 @@
 //! A touch: two receptors that met, and the posture they met in.
 
 use std::collections::BTreeSet;
+use std::ops::Deref;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -58,8 +59,8 @@ impl TouchEnd {
 }
 
 /// The pairs of limbs that touched.
-pub fn limb_pairs(skin: &Skin, touches: &[impl AsRef<Touch>]) -> BTreeSet<[usize; 2]> {
-    touches.iter().map(|touch| touch.as_ref().limbs(skin)).collect()
+pub fn limb_pairs(skin: &Skin, touches: &[impl Deref<Target = Touch>]) -> BTreeSet<[usize; 2]> {
+    touches.iter().map(|touch| touch.limbs(skin)).collect()
 }
 
 /// When and how hard limbs met that were moved by forces.

@@ -6,10 +6,10 @@ use super::babbling::SessionSetup;
 use super::embodied::{Embodied, ModelSource};
 use super::learning_options::LearningOptions;
 use super::request::SessionRequest;
-use super::touches::all_touches;
+use super::touches::{all_touches, taking};
 use crate::agent::Agent;
-use crate::babbling::{BabblingOptions, Made, Policy};
-use crate::deadline::{apart, count, worked};
+use crate::babbling::{BabblingOptions, Policy};
+use crate::deadline::worked;
 use crate::error::{Error, Result};
 use crate::evaluation::{Evaluation, evaluate_learned};
 use crate::learning::growth::Growth;
@@ -63,11 +63,9 @@ impl Embodied {
     /// # Errors
     /// As [`Embodied::babble`] and [`SessionRequest::setup`].
     pub fn babble_as(self, request: &SessionRequest) -> Result<Babbled> {
-        let SessionSetup { babbling, policy, motion, deadline, learning } = request.setup(&self)?;
+        let SessionSetup { babbling, policy, motion, deadline, learning } = request.chosen(&self)?;
         let babbler = self.babbler(motion)?.until(deadline).learning_from(learning.input());
-        let (made, done) = apart(|| all_touches(self.model(), &babbler, policy, &babbling));
-        count(done);
-        let (touches, grown) = made?;
+        let (touches, grown) = all_touches(self.model(), &babbler, policy, &babbling)?;
         drop(babbler);
         Ok(Babbled { embodied: self, touches, seed: babbling.seed, learning, grown, worked: worked() })
     }
@@ -79,13 +77,7 @@ impl Embodied {
     pub fn babble_with(self, policy: &mut dyn Policy, options: &BabblingOptions) -> Result<Babbled, Error> {
         let mut touches = Vec::with_capacity(options.touches);
         let babbler = self.babbler(MotionName::default())?;
-        let receive = |made: Made| -> Result<(), Error> {
-            if let Made::Touch(touch) = made {
-                touches.push(touch.clone());
-            }
-            Ok(())
-        };
-        babbler.babble_with(policy, options, receive).map_err(Error::of_model(self.model()))?;
+        babbler.babble_with(policy, options, taking(&mut touches)).map_err(Error::of_model(self.model()))?;
         drop(babbler);
         let learning = LearningOptions::default();
         Ok(Babbled { embodied: self, touches, seed: options.seed, learning, grown: None, worked: worked() })
@@ -106,14 +98,14 @@ impl Babbled {
     /// Learns where the joints are and how they turn, from the touches alone.
     ///
     /// # Errors
-    /// If there is no touch to learn from.
+    /// As [`Babbled::learn_by`].
     pub fn learn(self) -> Result<LearnedBody> {
         let deadline = self.learning.deadline.resumed(self.worked);
         let options = LearningOptions { deadline, ..self.learning.clone() };
         self.learn_by(&options)
     }
 
-    /// Learns otherwise than by default.
+    /// Learns otherwise than was asked.
     ///
     /// # Errors
     /// If there is no touch to learn from, or the options are not for this creature.

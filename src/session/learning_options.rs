@@ -101,7 +101,7 @@ impl LearningOptions {
     ///
     /// # Errors
     /// Where the file is not one for this creature, or the learner has no use for it.
-    pub fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, Error> {
+    fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, Error> {
         self.check_frames(creature, true)?;
         if !self.learner.uses().known_joints {
             return Err(Error::unfit(
@@ -120,7 +120,7 @@ impl LearningOptions {
     /// These options for a creature, with what a file says of its joints if there is one.
     ///
     /// # Errors
-    /// As [`LearningOptions::with_known`] and [`LearningOptions::check`].
+    /// Where the file is not one for this creature, or the learner has no use for it, and as [`LearningOptions::check`].
     pub fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
         let options = match known {
             Some(path) => self.with_known(path, creature)?,

@@ -53,8 +53,7 @@ impl RecordedSession {
         let mut touches = recording.touches;
         touches.truncate(most);
         let creature = recording.agent.creature().visited(touches.iter().map(|touch| &touch.posture));
-        let agent = Agent::new(creature, recording.agent.skin().clone())
-            .map_err(|error| Error::usage(error.to_string()))?;
+        let agent = Agent::new(creature, recording.agent.skin().clone())?;
         let path = |path: &Path| path.display().to_string();
         let session = Session {
             program: PROGRAM.to_string(),

@@ -23,9 +23,9 @@ const MOST_TOUCHES: usize = 4000;
 /// nobody is to wait much longer for a word.
 const WORK: f64 = 50.0;
 /// The share of it after which no touches are made.
-const BABBLING: f64 = 0.65;
+pub(crate) const BABBLING_SHARE: f64 = 0.65;
 /// The share of it after which nothing more is tried to explain them: the last fit and the measures take the rest.
-const LEARNING: f64 = 0.85;
+pub(crate) const LEARNING_SHARE: f64 = 0.85;
 
 /// What is asked of a session. What is left open is chosen as `bodyschema babble` chooses it.
 #[derive(Clone)]
@@ -34,8 +34,8 @@ pub struct SessionRequest {
     pub touches: Option<usize>,
     /// Seconds on the clock, from `began` on, after which the session ends with what is known by then.
     pub seconds: Option<f64>,
-    /// Work after which it does so, in seconds of one core; left open 50, or without limit where `touches`, `seconds` or physics
-    /// are asked for.
+    /// Work after which it does so, in seconds of one core; left open 50, or without limit where `touches`, `seconds`, a share
+    /// or physics are asked for.
     pub work: Option<f64>,
     /// When it began.
     pub began: Instant,
@@ -91,6 +91,14 @@ impl SessionRequest {
     /// # Errors
     /// If the creature cannot babble, the file of known joints cannot be read, or what is asked excludes itself.
     pub fn setup(&self, embodied: &Embodied) -> Result<SessionSetup> {
+        let setup = self.chosen(embodied)?;
+        // Whether the creature can babble at all is found out before any folder is made.
+        embodied.babbler(self.motion)?;
+        Ok(setup)
+    }
+
+    /// The same for a creature of which it is found out elsewhere whether it can babble.
+    pub(super) fn chosen(&self, embodied: &Embodied) -> Result<SessionSetup> {
         let deadline = |share: f64| match (self.work(), self.seconds) {
             (Some(work), _) => Deadline::after_work_of(share * work),
             (None, Some(seconds)) => Duration::try_from_secs_f64(share * seconds)
@@ -113,13 +121,18 @@ impl SessionRequest {
         }
         let learner = LearningOptions::default_learner(Some(policy).filter(|_| grows));
         let learner = self.learner.unwrap_or(learner);
-        let learning = LearningOptions { learner, deadline: deadline(LEARNING), ..self.learning.clone() };
+        let learning =
+            LearningOptions { learner, deadline: deadline(LEARNING_SHARE), ..self.learning.clone() };
         let learning = learning.knowing(self.known.as_deref(), creature)?;
-        // Whether the creature can babble at all is found out before any folder is made.
-        embodied.babbler(self.motion)?;
         let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
         let touches = self.touches.unwrap_or(most);
         let babbling = BabblingOptions { touches, seed: self.seed, jobs: threads(self.jobs) };
-        Ok(SessionSetup { babbling, policy, motion: self.motion, deadline: deadline(BABBLING), learning })
+        Ok(SessionSetup {
+            babbling,
+            policy,
+            motion: self.motion,
+            deadline: deadline(BABBLING_SHARE),
+            learning,
+        })
     }
 }

@@ -20,11 +20,7 @@ pub fn make_touches(
     options: &BabblingOptions,
     receive: impl FnMut(Made) -> Result<(), Error>,
 ) -> Result<(Effort, Option<Growth>), Error> {
-    let made = match policy {
-        PolicyName::Random => babbler.babble_on(from, options, receive).map(|effort| (effort, None)),
-        _ => babbler.babble_by(policy, options, receive),
-    };
-    made.map_err(Error::of_model(model))
+    babbler.babble_by(policy, from, options, receive).map_err(Error::of_model(model))
 }
 
 /// The touches alone, from the first on, and what was learned on the way.
@@ -35,11 +31,17 @@ pub fn all_touches(
     options: &BabblingOptions,
 ) -> Result<(Vec<RecordedTouch>, Option<Growth>), Error> {
     let mut touches = Vec::new();
-    let (_, grown) = make_touches(model, babbler, policy, BoutsDone::default(), options, |made| {
+    let from = BoutsDone::default();
+    let (_, grown) = make_touches(model, babbler, policy, from, options, taking(&mut touches))?;
+    Ok((touches, grown))
+}
+
+/// Takes the touches alone of what is made.
+pub fn taking(touches: &mut Vec<RecordedTouch>) -> impl FnMut(Made) -> Result<(), Error> {
+    |made| {
         if let Made::Touch(touch) = made {
             touches.push(touch.clone());
         }
         Ok(())
-    })?;
-    Ok((touches, grown))
+    }
 }

@@ -47,7 +47,7 @@ impl Met {
     pub(super) fn new(spots: [SkinSpot; 2], depth: Option<f64>) -> Met {
         Met {
             receptors: spots.map(|spot| spot.receptor),
-            contact: ExactContact { depth, ..ExactContact::of(spots) },
+            contact: ExactContact { points: spots.map(|spot| spot.point), depth, ..ExactContact::default() },
         }
     }
 

@@ -22,7 +22,7 @@ use crate::learning::{Input, Learned, LengthUnit, Verdict, Z95};
 use crate::mujoco::Model;
 use crate::senses::RecordedTouch;
 use crate::session::touches::all_touches;
-use crate::session::{Embodied, LearningOptions, ModelSource};
+use crate::session::{BABBLING_SHARE, Embodied, LEARNING_SHARE, LearningOptions, ModelSource};
 use crate::simulation::MotionName;
 
 pub(super) const STUDY: Study = Study {
@@ -89,9 +89,6 @@ pub(super) const STUDY: Study = Study {
 const WAYS: [&str; 4] = ["default", "lm", "gradient", "hersch"];
 /// Touches by stages, which end when all is known, at most, in units of those at random.
 const STAGED: usize = 4;
-/// The share of a way's work after which no touches are made, and that after which no more explanations are tried.
-const BABBLING: f64 = 0.65;
-const LEARNING: f64 = 0.85;
 /// Skin that is off by no more than this share of the typical limb's length is right: a task would hardly notice.
 const RIGHT: f64 = 0.01;
 /// The share of held-out points that are right on a body that is learned by the truth's measure.
@@ -205,7 +202,7 @@ fn embody(body: &GeneratedBody) -> Result<Embodied, Error> {
 }
 
 fn babble(embodied: &Embodied, policy: PolicyName, most: usize, trial: &Trial) -> Result<Babbled, Error> {
-    let by = Deadline::after_work_of(BABBLING * trial.seconds);
+    let by = Deadline::after_work_of(BABBLING_SHARE * trial.seconds);
     let babbler = embodied.babbler(MotionName::default())?.until(by).learning_from(Input::Receptor);
     let wanted = BabblingOptions { touches: most, seed: trial.seed, jobs: 1 };
     let (made, work) = apart(|| all_touches(embodied.model(), &babbler, policy, &wanted));
@@ -223,7 +220,7 @@ fn learn(
 ) -> Result<Row, Failed> {
     survived(|| {
         // Ways share touches, and each has the work that these leave.
-        let by = Deadline::after_work_of(LEARNING * trial.seconds);
+        let by = Deadline::after_work_of(LEARNING_SHARE * trial.seconds);
         count(babbled.work);
         let how = LearningOptions { learner: kind, deadline: by, ..LearningOptions::default() };
         let mut learner = how.learner_from(embodied.agent(), babbled.grown.as_ref(), trial.seed);

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::common::repository;
+use crate::common::shell::copy;
 
 /// Something that is added: its folder, its file's name and content, and its line in the table of a file of the folder.
 struct Addition {
@@ -98,12 +99,10 @@ impl LearnerKind for Again {
         module: "shrugging",
         content: r#"//! "Whatever."
 
-use super::{Act, Answer, RequestKind, Words};
+use super::{Act, Answer, RequestKind};
 
-pub(super) const SHRUG: RequestKind = RequestKind {
-    words: Words { told: "^ whatever $", ..Words::NONE },
-    ..RequestKind::new(["shrug", "shrugged"], Act::Tells(|_, _| Answer::tells("Well")))
-};
+pub(super) const SHRUG: RequestKind =
+    RequestKind::new(["shrug", "shrugged"], Act::Tells(|_, _| Answer::tells("Well"))).told("^ whatever $");
 "#,
         table: ("mod.rs", "requests! {"),
         line: "    /// Nothing.\n    Shrug => shrugging::SHRUG;",
@@ -165,19 +164,6 @@ pub(super) fn files(agent: &Agent, _: &BodySchema, path: &Path) -> Vec<ExportedF
         line: "    ExportFormat { ending: \"txt\", about: \"names\", files: names::files },",
     },
 ];
-
-/// Copies a folder of sources.
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir(to).unwrap();
-    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        if from.is_dir() {
-            copy(&from, &to);
-        } else {
-            fs::copy(from, to).unwrap();
-        }
-    }
-}
 
 /// Puts words after the line that begins the only place of its kind in a file.
 fn put_after(path: &Path, line: &str, words: &str) {

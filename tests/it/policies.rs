@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::common::{creature, max, truth, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::babbling::policy::{Foreseen, Foresight};
-use bodyschema::babbling::{Babbler, BabblingOptions, Made, PolicyName};
+use bodyschema::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use bodyschema::creature::{Body, Posture};
 use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
@@ -28,7 +28,7 @@ fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (V
         }
         Ok(())
     };
-    let (effort, _) = babbler.babble_by(policy, &options, receive).unwrap();
+    let (effort, _) = babbler.babble_by(policy, BoutsDone::default(), &options, receive).unwrap();
     (made, effort)
 }
 

@@ -53,7 +53,7 @@ pub trait Policy {
 pub struct PolicyStart {
     /// Seed of its random initial guesses.
     pub seed: u64,
-    /// Which part of each touch it learns from.
+    /// What a skin reports of each touch.
     pub input: Input,
     /// When it stops learning.
     pub deadline: Deadline,

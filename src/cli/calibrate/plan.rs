@@ -66,7 +66,6 @@ pub fn run(args: &PlanArguments) -> Outcome {
         }
     }
     let spinner = progress::spinner("babbling");
-    let (truth, agent) = (embodied.truth().schema.clone(), embodied.agent().clone());
     let count = usize::try_from(args.candidates).unwrap_or(usize::MAX);
     let request = SessionRequest {
         touches: Some(count),
@@ -75,10 +74,11 @@ pub fn run(args: &PlanArguments) -> Outcome {
         ..SessionRequest::default()
     };
     let babbled = embodied.babble_as(&request)?;
+    let (agent, truth) = (babbled.embodied().agent(), &babbled.embodied().truth().schema);
     // The file's own frames and names, by which its touches are logged and calibrated.
     let mut robot = read_robot(&args.model)?.robot;
     args.unknowns.apply(&mut robot, false)?;
-    let touches: Vec<Touch> = point_touches(&agent, &truth, &robot, babbled.touches())
+    let touches: Vec<Touch> = point_touches(agent, truth, &robot, babbled.touches())
         .into_iter()
         .filter(|touch| {
             args.between.is_empty()

@@ -17,6 +17,7 @@ use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::shard::take_share;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
+use crate::error::Error;
 use crate::session::{FolderLock, STUDY_FILE, ShareRecord};
 use crate::share::Share;
 use crate::study::{
@@ -150,10 +151,10 @@ impl RunArguments {
         let share = made(Share::WHOLE);
         let lock = self.folder(&share)?;
         let trials = lock.place().join(TRIALS_FOLDER);
-        fs::create_dir_all(&trials).map_err(output::not_written(&trials))?;
+        fs::create_dir_all(&trials).map_err(Error::unwritable(&trials))?;
         make(&run, &share, &trials)?;
         save(&MadeTrials::whole(share, &trials).findings()?, &lock, self.json)?;
-        Ok(fs::remove_dir_all(&trials).map_err(output::not_written(&trials))?)
+        Ok(fs::remove_dir_all(&trials).map_err(Error::unwritable(&trials))?)
     }
 
     /// The study made ready.
@@ -208,7 +209,7 @@ impl RunArguments {
         };
         let trials = lock.place().join(TRIALS_FOLDER);
         if StudyShare::is_in(&trials) && !is_begun(&lock.place().to_path_buf()) && self.force.is_given() {
-            fs::remove_dir_all(&trials).map_err(output::not_written(&trials))?;
+            fs::remove_dir_all(&trials).map_err(Error::unwritable(&trials))?;
         }
         Ok(lock)
     }

@@ -124,7 +124,7 @@ impl Actor {
         for motion in 0..MOTIONS {
             let Some(target) = self.where_skin_may_meet(&mut rng) else { continue };
             let Some(touch) = self.own_touch_going_to(&target, motion as u64)? else { continue };
-            let [a, b] = touch.ends.map(|end| self.own.skin().receptors[end.receptor].limb);
+            let [a, b] = touch.limbs(self.own.skin());
             let before = learner.surprises().len();
             learner.touch(&touch);
             touches += 1;

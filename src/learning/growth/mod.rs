@@ -22,7 +22,7 @@ mod solving;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use learner::Grower;
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::DMatrix;
 pub use part::{GrownTouch, Part};
 pub use placement::rest;
 use rand::SeedableRng;
@@ -173,14 +173,7 @@ impl Growth {
     /// Takes a touch and, now and then, learns what is likely to be learned from those so far; whether that was anything.
     pub fn touch(&mut self, touch: &Touch) -> bool {
         let creature = self.agent.creature();
-        let receptors = touch.ends.map(|end| end.receptor);
-        let mut felt = LimbTouch::of_receptors(self.agent.skin(), receptors, &touch.posture);
-        if self.input == Input::Contact {
-            for (seen, end) in felt.ends.iter_mut().zip(&touch.ends) {
-                seen.position = end.position(self.input, self.agent.skin());
-                seen.covariance = Matrix3::from_diagonal_element(POINT.powi(2));
-            }
-        }
+        let felt = LimbTouch::of(self.agent.skin(), touch, self.input, |_| POINT.powi(2));
         let (limbs, prepared) = felt.prepare(creature);
         let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
         let freedom = told.chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();

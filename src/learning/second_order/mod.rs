@@ -12,16 +12,14 @@ mod judging;
 mod observing;
 mod searching;
 
-use nalgebra::Matrix3;
-
 use self::judging::extent;
 use self::searching::{Judged, SearchResult, kept_back};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::growing::{EXACT, Evidence, Start};
-use crate::learning::observation::{Observation, SkinKnowledge};
+use crate::learning::observation::SkinKnowledge;
 use crate::learning::surface_gap::CERTAIN_NOISE;
-use crate::learning::touch_set::{LimbTouch, NORMAL_DEVIATION, PreparedTouch, TouchSet};
+use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchSet};
 use crate::learning::{
     Account, AxisModel, Basis, Learned, Learner, LimbFrames, Parameters, PriorKnowledge, Verdict,
 };
@@ -135,18 +133,7 @@ impl SecondOrder {
     }
 
     fn limb_touch<'t>(&self, touch: &'t Touch) -> LimbTouch<'t> {
-        let ends = touch.ends.map(|end| Observation {
-            receptor: end.receptor,
-            position: end.position(self.input, self.agent.skin()),
-            covariance: match self.input {
-                Input::Contact => {
-                    Matrix3::identity() * contact_variance(end.point.and_then(|point| point.deviation))
-                }
-                Input::Receptor => self.agent.skin().receptors[end.receptor].covariance(NORMAL_DEVIATION),
-            },
-        });
-        let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
-        LimbTouch { limbs, posture: &touch.posture, ends }
+        LimbTouch::of(self.agent.skin(), touch, self.input, contact_variance)
     }
 
     /// What may be fitted of joints that are known at all and limbs that are placed.

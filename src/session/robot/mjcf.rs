@@ -10,7 +10,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
 
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, Value};
-use crate::creature::{DofKind, body_name, creatures, joint_name, limits, matrix, no_joints, span};
+use crate::creature::{DofKind, body_name, joint_name, largest, limits, matrix, span};
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
 use crate::mujoco::{Equality, GeomKind, JointKind, Model, ModelJoint};
@@ -24,11 +24,7 @@ use crate::mujoco::{Equality, GeomKind, JointKind, Model, ModelJoint};
 /// Where MuJoCo does not take it, or nothing in it can move.
 pub fn read_mjcf(path: &Path) -> Result<(Robot, Vec<String>), Error> {
     let (model, left_out) = Model::read(path).map_err(Error::from).map_err(Error::of_model(path))?;
-    // Of two trees with as many joints the first.
-    let largest = creatures(&model).into_iter().rev().max_by_key(|creature| creature.joints);
-    let Some(top) = largest.map(|creature| creature.root) else {
-        return Err(no_joints().at(path, None));
-    };
+    let top = largest(&model).map_err(Error::of_model(path))?.root;
     let root = if is_free(&model, top) { top } else { 0 };
     let mut reader = Reader {
         model: &model,

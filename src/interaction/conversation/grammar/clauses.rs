@@ -42,6 +42,8 @@ const MORE: usize = 4;
 /// Words that a command may begin with, before its verb.
 const MEANS: &str = "with by using to back over in from on up down away off left right out again your the";
 
+/// What the partner does not know, and would.
+const NOT_KNOWING: &str = "^ i|we do|can|could not =know|=tell|=see|=remember|=understand";
 /// What makes a question of what is stated: "…, isn't it?"
 const TAG: &str = "=did|=does|=have|=has|=were|=was|=are|=is ?not you|THING $";
 /// How something is asked for that is to be told: "describe it", "give me an estimate".
@@ -93,11 +95,7 @@ impl Clause {
         self.most(grammar, of, self.begun()).map(|(intent, heads, _)| (intent, heads))
     }
 
-    /// The same, of what leads in as well.
-    fn either(&self, grammar: &Grammar, of: fn(&Words) -> &'static str) -> Option<(Intent, bool)> {
-        self.more(grammar, of).map(|(intent, heads, _)| (intent, heads))
-    }
-
+    /// The same, of what leads in as well, and how much of it means so.
     fn more(&self, grammar: &Grammar, of: fn(&Words) -> &'static str) -> Option<(Intent, bool, usize)> {
         let (begun, whole) = (self.most(grammar, of, self.begun()), self.most(grammar, of, &self.pieces));
         if whole.map(|found| found.2) > begun.map(|found| found.2) { whole } else { begun }
@@ -184,7 +182,9 @@ impl Clause {
                 let told = told.filter(|told| asked.is_none_or(|asked| told.2 > asked.2));
                 told.or(asked).map(|(intent, heads, _)| (intent, heads))
             }
-            Mood::Past => no_leave(self.either(grammar, |words| words.past)),
+            Mood::Past => {
+                no_leave(self.more(grammar, |words| words.past).map(|(intent, heads, _)| (intent, heads)))
+            }
             Mood::Prohibition => no_leave(
                 self.says(grammar, |words| words.denied)
                     .or_else(|| self.about(grammar).map(|_| (Intent::Dont, false)))
@@ -298,11 +298,11 @@ fn mood(pieces: &[Piece], asks: bool) -> Mood {
             && (asks || !has(pieces, "^ =have THING|BODY") || has(pieces, "PAST"));
     let inverted = inverted
         && (asks || !has(pieces, "^ =do not you"))
-        && !has(pieces, "^ =do THING|that|so|SOME ?ALL|MORE|one|over AGAIN|MORE|over|$");
+        && !has(pieces, "^ =do THING|that|so|SOME ?ALL|MORE|one|over AGAIN|MORE|over");
     let wonders = has(
         pieces,
         "^ i|we|my|let|THING .. KNOW|=wondering|curious|interested|idea|question|sure|unsure|TELL|ask|hear|learn|find ?me|is ?of|out ?about ASKING|if|whether",
-    ) || has(pieces, "^ i|we do|can|could not =know|=tell|=see|=remember|=understand");
+    ) || has(pieces, NOT_KNOWING);
     let tagged = has(pieces, TAG) && asks;
     let asks_within = !pieces.first().is_some_and(|first| first.word.form.is_base())
         && has(
@@ -352,7 +352,7 @@ fn negative_question(pieces: &[Piece]) -> bool {
         return false;
     }
     has(pieces, "^ HELPING not SUBJECT|THING|SOME|BODY & !nothing")
-        || has(pieces, "^ i|we do|can|could not =know|=tell|=see|=remember|=understand")
+        || has(pieces, NOT_KNOWING)
         || has(pieces, TAG)
         || has(pieces, "^ ?and|so why|how|what|where|who|which")
         || has(pieces, "not $")

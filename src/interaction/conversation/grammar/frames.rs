@@ -117,7 +117,7 @@ const TAGS: &str = "will|would|can|could ?not you ?please|mind|kindly $; \
     if THING ?do|would not ?be ?too|bother|trouble|you|=suits|=pleases ?much|problem|bother|you ?trouble $; \
     if possible; when|whenever|once you be ?good|quite|all ?and =ready|=set|free|able|done; \
     when|whenever|as|if you ?get|have|find time|chance|moment|second|minute; \
-    when|whenever|as|if you like|please|can|$; as ?soon|fast|quick|well as ?you possible|can|could; \
+    when|whenever|as|if you like|please|can; as ?soon|fast|quick|well as ?you possible|can|could; \
     there be a GOOD ANY $; for a change; i would|will be ?much|most|so|ever|very GOOD|=grateful $; \
     i beg ?of you; THING|that would|will be ?so|much|very|all GOOD|THANKS ?help ?of ?you $; \
     THANKS|thank ?you ?in ?very|so ?much|advance|lot $; do|be it now $; for heaven|goodness|god sake; \

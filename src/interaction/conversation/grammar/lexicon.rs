@@ -312,27 +312,24 @@ impl Lexicon {
             3..=8 => 1,
             _ => 2,
         };
-        let distance = |known: &&str| strsim::osa_distance(typed, known);
-        let may_be = |known: &&str| {
+        let near = self.forms.iter().filter_map(|(known, (_, form))| {
             let letters = known.chars().count();
+            if letters <= 2 || letters.abs_diff(length) > slips {
+                return None;
+            }
+            let (same, slip) = (same_letters(typed, known), fingers_slip(typed, known));
             let begins = known.chars().next() == typed.chars().next();
-            let close = letters > 2 && letters.abs_diff(length) <= slips;
             // A short word lacks a letter; what begins otherwise is another word, but for slips that are plain.
-            close && (begins && (length > 3 || letters > 3) || length > 3 && fingers_slip(typed, known))
-                || close && same_letters(typed, known)
-        };
-        let verb = |known: &str| self.forms.get(known).is_some_and(|(_, form)| *form != Form::Other);
-        let near = self
-            .forms
-            .keys()
-            .map(String::as_str)
-            .filter(may_be)
-            .filter(|known| distance(known) <= slips + usize::from(same_letters(typed, known)));
-        // Of words that are as near a plain slip, then a letter that was left out, then a verb: what is done matters most.
-        near.min_by_key(|known| {
-            let plain = fingers_slip(typed, known) || known.chars().count() > length;
-            (distance(known), !same_letters(typed, known), !plain, Reverse(known.len()), !verb(known))
-        })
+            let may_be = begins && (length > 3 || letters > 3) || length > 3 && slip || same;
+            let distance = strsim::osa_distance(typed, known);
+            if !may_be || distance > slips + usize::from(same) {
+                return None;
+            }
+            // Of words that are as near a plain slip, then a letter that was left out, then a verb: what is done matters most.
+            let plain = slip || letters > length;
+            Some(((distance, !same, !plain, Reverse(known.len()), *form == Form::Other), known.as_str()))
+        });
+        near.min_by_key(|(key, _)| *key).map(|(_, known)| known)
     }
 }
 
@@ -351,16 +348,14 @@ const KEYS: [&str; 3] = ["qwertyuiop", "asdfghjkl", "zxcvbnm"];
 
 /// Whether fingers slip to what was typed from what was meant: to a key beside one, or on one twice.
 fn fingers_slip(typed: &str, meant: &str) -> bool {
+    // In half keys: a lower row is shifted half a key to the right.
     let key = |letter: char| {
-        let at = |(row, keys): (usize, &&str)| Some((row, keys.find(letter)?));
+        let at = |(row, keys): (usize, &&str)| Some((row, 2 * keys.find(letter)? + row));
         KEYS.iter().enumerate().find_map(at)
     };
-    let beside = |a: char, b: char| match (key(a), key(b)) {
-        (Some((row, k)), Some((other, j))) if row == other => k.abs_diff(j) <= 1,
-        // A lower row is shifted half a key to the right.
-        (Some((row, k)), Some((other, j))) if row + 1 == other => j == k || j + 1 == k,
-        (Some((row, k)), Some((other, j))) if other + 1 == row => j == k || k + 1 == j,
-        _ => false,
+    let beside = |a: char, b: char| {
+        let keys = key(a).zip(key(b));
+        keys.is_some_and(|((row, x), (other, y))| row.abs_diff(other) <= 1 && x.abs_diff(y) <= 2)
     };
     let mut others = typed.chars().zip(meant.chars()).filter(|(a, b)| a != b);
     let twice = || {

@@ -19,15 +19,15 @@ const NOUNS: &str = "nose chin forehead brow head face mouth lip lips cheek chee
 const COMPOUNDS: &str = "index finger,middle finger,tummy button,shoulder blades,ring finger,little finger,big toe,upper arm,lower arm,upper arms,lower back,\
     upper back,upper leg,lower leg,upper body,shoulder blade,belly button,back of hand,back of head,back of neck,top of head,\
     sole of foot,side of head,palm of hand,tip of nose";
-/// Nouns that mean something else as often: they are a part only after one of [`OWNERS`].
+/// Nouns that mean something else as often: they are a part only after one of [`OWNERS`], or of a side where they are [`PAIRED`].
 const DOUBTFUL: &[&str] = &[
     "back", "face", "head", "crown", "bottom", "index", "lap", "sole", "heart", "temple", "trunk", "calf",
     "middle", "tip",
 ];
-/// Words after which a doubtful noun is a part.
-const OWNERS: &[&str] = &["your", "his", "own", "upper", "lower", "yourself"];
 /// Those of them of which there are a left and a right one.
 const PAIRED: &[&str] = &["index", "sole", "temple", "calf"];
+/// Words after which a doubtful noun is a part.
+const OWNERS: &[&str] = &["your", "his", "own", "upper", "lower", "yourself"];
 /// The nouns of what acts.
 const HANDS: &str = "hand hands arm arms palm palms fist finger fingers fingertip fingertips";
 

@@ -60,6 +60,6 @@ pub(super) const WHICH: RequestKind = RequestKind::new(
          ^ either|whichever|any $ ; ^ either|whichever|any of THING ; ^ number NUMBER ; \
          ^ number one|two|three ; ^ THING ON ?your left|right ; THING ?be THING ; ^ not THING THING ; \
          say THING|first|second|last ; both .. whichever|either ; whichever|either $ ; \
-         ^ leftmost|rightmost|either|whichever ?you ?like|want|please|$ ; THING ?over ON left|right ; \
+         ^ leftmost|rightmost|either|whichever ?you ?like|want|please ; THING ?over ON left|right ; \
          not matter which ; ^ left|right ?hand ?side one|THING ; which ?THING ?you like",
 );

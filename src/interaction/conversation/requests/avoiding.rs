@@ -14,7 +14,7 @@ pub(super) const AVOID: RequestKind = RequestKind::new(
     Act::Moves(|creature, _, _| creature.watch_out()),
 )
 .told(
-    "AVOID THING|SOME|$ ; AVOID ; out of ?its|his|my|harm|THING way ; \
+    "AVOID THING|SOME ; AVOID ; out of ?its|his|my|harm|THING way ; \
          GO|keep|stay|steer|PULL|hold|stand ?yourself|BODY ?well clear ; \
          GO|jump|stand|shift ?yourself|BODY ?out|over aside|SIDEWAYS ; watch|look|mind out ; \
          make way|room ; \

@@ -54,7 +54,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind::new(
          ^ SOME $ ; ^ any|more SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; \
          HELPING there be SOME ; \
          what be ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?front ?TABLE ; \
-         HELPING you FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|$|near ; \
+         HELPING you FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|near ; \
          do|be SOME ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME else ; \
          SOME MORE ; ?if|whether there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; \
          be there THING|SOME ; SOME there ; SOME within|in ?easy ?your RANGE ; \

@@ -14,8 +14,8 @@ pub(super) const LET_GO: RequestKind =
          open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your \
          grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold ; \
          take|get|PULL HAND off|away|from ?of ?from THING ; PUT DOWN $ ; let THING be|stay|stand ; \
-         ^ DOWN with THING ; ^ loose|DROP THING|$ ; return THING to THING|the ?TABLE|place ; \
-         PUT|give|return THING BACK ?where|in|there|ON|again|$ ; HAND HELPING GO off ; \
+         ^ DOWN with THING ; ^ loose|DROP THING ; return THING to THING|the ?TABLE|place ; \
+         PUT|give|return THING BACK ?where|in|there|ON|again ; HAND HELPING GO off ; \
          ON|back TABLE with THING ; BACK with THING ; HAND off THING ; open ?up ?your HAND ; \
          release ?your hold|grip|THING ; put THING BACK ; THING down ; THING BACK ON TABLE ; \
          hands|fingers off ; \

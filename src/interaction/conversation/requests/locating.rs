@@ -16,7 +16,7 @@ pub(super) const HOW_FAR: RequestKind = RequestKind::new(
 )
 .asked(
     "how FAR ; how many cms ; how FAR do you have ?to ; how FAR|distant|NEAR ?away|off ?from|be THING ; \
-         how FAR .. THING ; how NEAR|close be|to|do|THING|$ ; GAP & !close|BODY ; distance|range ; \
+         how FAR .. THING ; how NEAR|close be|to|do|THING ; GAP & !close|BODY ; distance|range ; \
          give|TELL ?me ?its distance ; distance|range ?to|of|from|between ?THING|it ; the|its distance ; \
          distance $ ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; \
          the range to|of THING ; how long|SIZED|FAR a|be way ; \

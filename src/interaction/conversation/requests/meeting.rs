@@ -7,34 +7,32 @@ pub(super) const GREET: RequestKind = RequestKind::new(
     Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
 )
 .asked(
-    "how be THING|life|everything|things|you|ALL ?going|$ ; how do you do|$ ; \
+    "how be THING|life|everything|things|you|ALL ?going ; how do you do ; \
          you|are|be ?you ok|okay|alright|well $ ; what be UP $ ; ^ be you there|=awake|wake $ ; \
          ^ you =awake $ ; ^ YES max ; what be new",
 )
 .said(
     "GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; \
-         ^ GOOD|good morning|afternoon|evening|day ; how be|do you ?doing|feeling|today|going|do|$ ; \
+         ^ GOOD|good morning|afternoon|evening|day ; how be|do you ?doing|feeling|today|going|do ; \
          ^ morning|evening|afternoon ; long time no see ; ^ HELLO there|BEING ; good to be back ; \
          make your acquaintance",
 );
 
-pub(super) const THANKS: RequestKind = RequestKind::new(
-    ["", ""],
-    Act::Tells(|_, _| Answer::tells("You are welcome")),
-)
-.past(
-    "THANKS ; not thank you ; you =have =been ?GOOD help|GOOD ; you =did GOOD ; \
+pub(super) const THANKS: RequestKind =
+    RequestKind::new(["", ""], Act::Tells(|_, _| Answer::tells("You are welcome")))
+        .past(
+            "THANKS ; not thank you ; you =have =been ?GOOD help|GOOD ; you =did GOOD ; \
          ^ that be ?so GOOD ?of ?you ; i like how|what|that ; you nail THING ; well =played",
-)
-.said(
-    "THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much|$ ; you be =doing well|GOOD ; \
-         owe you ; impressed ; not thank you ; THANKS ; well|nicely =done|do ; ^ GOOD BEING|boy|one|$ ; \
+        )
+        .said(
+            "THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much ; you be =doing well|GOOD ; \
+         owe you ; impressed ; not thank you ; THANKS ; well|nicely =done|do ; ^ GOOD BEING|boy|one ; \
          ^ GOOD ?one $ ; GOOD of you ; GOOD job|work|effort ; how kind ; THING be ?so ?very GOOD ; \
          you be GOOD ; you be a|the GOOD ; ^ nice|good|lovely|great one ; way to go ; \
          i be ?so|very|really GOOD|THANKS|grateful ; very|so GOOD ; ^ what a GOOD ; \
          ^ GOOD job|work|stuff|BEING|going|one ; ^ GOOD $ ; you nail THING ; you rock ; well play|=played ; \
          i like how|what|that ; THING will do nicely",
-);
+        );
 
 pub(super) const WHO: RequestKind = RequestKind::new(
         ["tell who I am", "told who I am"],

@@ -19,10 +19,10 @@ pub(super) const QUIT: RequestKind = RequestKind::new(
 )
 .denied("STOP|cease =talking|=listening")
 .said(
-    "i|we ?have|must|better|should|need ?got|had ?better|best ?to be|dash off|away|$ ; \
+    "i|we ?have|must|better|should|need ?got|had ?better|best ?to be|dash off|away ; \
          i must|have ?to dash|run|go|leave ; end of our|the TALK ; \
          i be =going|=leaving|=off home|off|away|now ; no more questions ; \
-         see you later|tomorrow|soon|then|again|around|$ ; meet again ; you may go ; leave THING at THING ; \
+         see you later|tomorrow|soon|then|again|around ; meet again ; you may go ; leave THING at THING ; \
          ^ BYE|quit|exit ; ^ so long $ ; BYE $ ; ^ YES BYE ; ^ see|SEE you ; ^ THING be ALL ; \
          ^ i be =going|=leaving $ ; ^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there $ ; \
          ^ that|THING will be ALL ; ^ good night ; \

@@ -35,8 +35,8 @@ pub(super) const WHAT_SHAPE: RequestKind = RequestKind::new(
          be|do THING|SOME|they ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?be ?be ?like SHAPED ; \
          be|do THING|SOME ?seem|feel|look ?MORE ?like|to ?be SOME ; describe THING|SOME|its ; \
          what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME ?look|feel|seem|be ?like|resemble ; \
-         what .. THING look|feel ?like ; what KIND of THING|SOME ?be|have|do|$ ; SHAPED or|and|nor SHAPED ; \
-         any SHAPED|EDGE ON|$ ; THING have SHAPED|EDGE ; be there any SHAPED|EDGE ; MORE like a|an|SOME ; \
+         what .. THING look|feel ?like ; what KIND of THING|SOME ?be|have|do ; SHAPED or|and|nor SHAPED ; \
+         any SHAPED|EDGE ON ; THING have SHAPED|EDGE ; be there any SHAPED|EDGE ; MORE like a|an|SOME ; \
          SOME or SOME ; call THING SHAPED ; what be THING $ ; what FORM ; \
          have THING ?get|any SHAPED|EDGE|a ; what do THING ?look|seem ; be THING SOME ; \
          what could|might THING be ; SHAPED or ; recognise|recognize|identify THING ; what THING|that be ; \

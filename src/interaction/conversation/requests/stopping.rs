@@ -12,7 +12,7 @@ pub(super) const STOP: RequestKind = RequestKind::new(
 .told(
     "^ STOP $ ; THING|that|ok will DO ; that be enough ; \
          ^ STOP|quit ?DOING ?what|whatever|THING|everything|ALL $ ; \
-         ^ STOP what|whatever|THING|ALL|everything ; ^ STOP ?right there|$ ; ^ END what|whatever ; \
+         ^ STOP what|whatever|THING|ALL|everything ; ^ STOP ?right there ; ^ END what|whatever ; \
          ^ wait|hold ?on|up|it ?there ?moment|minute|second|there $ ; ^ hold on|up ; \
          knock|pack|cut THING off|out ; ^ STOP ; interrupt ; ^ hold your horses ; leave off ; \
          ^ ANY STOP $ ; ^ END that $ ; break THING off ; leave THING at THING ; chuck|pack THING in",
