@@ -107,8 +107,6 @@ pub struct Actor {
     pub front: Vector3<f64>,
     /// The height of the table's top along `up` in the root's frame, once it has been felt, metres.
     pub table: Option<f64>,
-    /// Whether it feels where on a receptor it is touched, not only on which.
-    pub fine_touch: bool,
     /// Whether an arm that touches something feels on with small motions before the other hand comes to it.
     pub feels_on: bool,
     /// Contacts that no motion was meant to bring about.
@@ -210,7 +208,6 @@ impl Actor {
             front,
             table,
             unintended,
-            fine_touch: false,
             feels_on: false,
             reach: None,
             made_way_for: Vec::new(),
@@ -437,12 +434,9 @@ impl Actor {
         let place = self.own.place(receptor);
         let before = self.trail.len().checked_sub(LATELY).map(|k| self.own.frames(&self.trail[k])[limb]);
         let moved = before.map(|before| frame.point(&place.point) - before.point(&place.point));
-        let fine = self.fine_touch.then_some(contact.spot.point);
-        let ahead = moved.and_then(|moved| moved.try_normalize(1e-4));
-        let place = match (fine.and_then(|point| self.own.on_surface(receptor, &point)), ahead) {
-            (Some(exact), _) => exact,
-            (None, Some(ahead)) => self.own.leading(receptor, &frame.rotation.tr_mul(&ahead)),
-            (None, None) => place,
+        let place = match moved.and_then(|moved| moved.try_normalize(1e-4)) {
+            Some(ahead) => self.own.leading(receptor, &frame.rotation.tr_mul(&ahead)),
+            None => place,
         };
         let (point, direction) = (frame.point(&place.point), frame.rotation * place.direction);
         Some(FoundThing { receptor, thing, posture: self.posture(), point, direction })

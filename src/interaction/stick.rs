@@ -149,8 +149,7 @@ impl Actor {
     /// feels the stick in that moment, he touches himself. Before the tip is known it is felt as it is.
     pub(super) fn understood(&self, felt: Vec<SkinContact>) -> Vec<SkinContact> {
         let (Some(stick), Some(receptor)) = (&self.stick, self.stick_tip()) else { return felt };
-        let found = &self.own.skin().receptors[receptor];
-        let tip = SkinSpot { limb: found.limb, receptor, point: found.position, sensor_force: None };
+        let tip = SkinSpot { limb: self.own.skin().receptors[receptor].limb, receptor };
         let own = felt.iter().any(|contact| stick.touches(contact));
         let understood = felt.into_iter().filter_map(|contact| match contact.by {
             Toucher::Thing(_) if stick.touches(&contact) => {

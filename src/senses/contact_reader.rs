@@ -1,6 +1,10 @@
-//! From a contact of the engine to a contact of the skin: the one place where receptors are told from geometry.
+//! From a contact of the engine to receptors: the one place where receptors are told from geometry.
+//!
+//! Where limbs press, the receptors' own `touch` sensors tell which of those at a contact fire, and how hard. Babbling stops
+//! before anything presses, and at the edge of a flat patch on a round limb no sensor reads what presses: there the nearest
+//! one fires whose patch holds the point.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use super::{SkinContact, SkinSpot, Toucher};
 use crate::creature::{Body, site_name};
@@ -10,11 +14,22 @@ use crate::skin::Skin;
 /// Contacts weaker than this are not felt, newtons.
 pub const FAINT: f64 = 1e-3;
 
+/// A place of a contact on the skin, as the engine computes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkinPlace {
+    /// The limb.
+    pub limb: usize,
+    /// The receptor that feels it.
+    pub receptor: usize,
+    /// The exact point in the limb's frame, metres.
+    pub point: Vector3<f64>,
+}
+
 /// What a contact is to the agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
     /// Skin met skin: two places, the one on the earlier limb first.
-    Touch([SkinSpot; 2]),
+    Touch([SkinPlace; 2]),
     /// At least one side has no receptor there.
     Bare,
     /// The two limbs carry one another, or are one.
@@ -28,6 +43,8 @@ pub enum Reading {
 pub struct ContactReader {
     /// Per geom, the receptors that lie on it.
     receptors_on_geom: Vec<Vec<usize>>,
+    /// Per limb, its receptors.
+    receptors_on_limb: Vec<Vec<usize>>,
     /// Per receptor, where its own `touch` sensor is among the numbers of all sensors.
     sensor_of_receptor: Vec<Option<usize>>,
 }
@@ -44,80 +61,125 @@ impl ContactReader {
                 sensor_of_receptor[receptor].get_or_insert(sensor.adr);
             }
         }
-        ContactReader { receptors_on_geom, sensor_of_receptor }
+        let mut receptors_on_limb = vec![Vec::new(); body.creature.limbs().len()];
+        skin.receptors.iter().enumerate().for_each(|(r, of)| receptors_on_limb[of.limb].push(r));
+        ContactReader { receptors_on_geom, receptors_on_limb, sensor_of_receptor }
     }
 
-    /// Reads one contact of `data`, in whose posture poses are computed.
+    /// Reads one contact of `data`, in whose posture poses are computed, by where it is.
     pub fn read(&self, body: &Body, skin: &Skin, data: &Data, contact: &Contact) -> Reading {
         let limbs = contact.geoms.map(|geom| body.limb_of_geom(geom));
         let [Some(a), Some(b)] = limbs else { return Reading::Foreign };
         if body.creature.neighbouring(a, b) {
             return Reading::Neighbours;
         }
-        match self.spots(body, skin, data, contact) {
+        let place = |side: usize| {
+            let (point, outward) = in_limb(body, data, contact, side);
+            let receptor = self.nearest(skin, contact.geoms[side], &point, &outward)?;
+            Some(SkinPlace { limb: skin.receptors[receptor].limb, receptor, point })
+        };
+        match [place(0), place(1)] {
             [Some(first), Some(second)] if a <= b => Reading::Touch([first, second]),
             [Some(first), Some(second)] => Reading::Touch([second, first]),
             _ => Reading::Bare,
         }
     }
 
-    /// What the skin feels in the step that `data` has just made: contacts that press, between limbs that are not
-    /// neighbours and with everything else.
+    /// What the skin feels in the step that `data` has just made: receptors that fire where something presses, between
+    /// limbs that are not neighbours and with everything else. A receptor feels each party once.
     pub fn skin_contacts(&self, body: &Body, skin: &Skin, data: &Data) -> Vec<SkinContact> {
-        let mut found = Vec::new();
+        let mut found: Vec<SkinContact> = Vec::new();
+        let spot = |receptor: usize| SkinSpot { limb: skin.receptors[receptor].limb, receptor };
         for (contact, force) in data.pressing().filter(|(_, force)| *force >= FAINT) {
-            match self.read(body, skin, data, &contact) {
-                Reading::Touch([spot, other]) => {
-                    found.push(SkinContact { spot, by: Toucher::Own(other), force });
+            let limbs = contact.geoms.map(|geom| body.limb_of_geom(geom));
+            if let [Some(a), Some(b)] = limbs
+                && body.creature.neighbouring(a, b)
+            {
+                continue;
+            }
+            let sides = [0, 1].map(|side| self.fired(body, skin, data, &contact, side));
+            let mut feel = |receptor: usize, by: Toucher, reading: Option<f64>| {
+                let same = |other: &&mut SkinContact| other.spot.receptor == receptor && other.by == by;
+                match (found.iter_mut().find(same), reading) {
+                    (Some(other), None) => other.force += force,
+                    (Some(_), Some(_)) => {}
+                    (None, _) => {
+                        found.push(SkinContact { spot: spot(receptor), by, force: reading.unwrap_or(force) })
+                    }
                 }
-                Reading::Foreign => {
-                    // The side that has skin is the creature's.
-                    let spots = self.spots(body, skin, data, &contact).into_iter().zip([1, 0]);
-                    found.extend(spots.filter_map(|(spot, other)| {
-                        let by = Toucher::Thing(body.model.geom_body(contact.geoms[other]));
-                        Some(SkinContact { spot: spot?, by, force })
-                    }));
-                }
+            };
+            if limbs.iter().all(Option::is_some) {
                 // Bare on one side of a self-touch: the other side alone cannot tell whom it feels.
-                Reading::Bare | Reading::Neighbours => {}
+                let earlier = usize::from(limbs[0] > limbs[1]);
+                for &(receptor, reading) in &sides[earlier] {
+                    for &(other, _) in &sides[1 - earlier] {
+                        feel(receptor, Toucher::Own(spot(other)), reading);
+                    }
+                }
+            } else {
+                // The side that has skin is the creature's.
+                for (side, receptors) in sides.iter().enumerate() {
+                    let by = Toucher::Thing(body.model.geom_body(contact.geoms[1 - side]));
+                    receptors.iter().for_each(|&(receptor, reading)| feel(receptor, by, reading));
+                }
             }
         }
         found
     }
 
-    /// The places on the skin at both ends of a contact of `data`, in the order of its geoms; none where there is no skin.
-    pub fn spots(&self, body: &Body, skin: &Skin, data: &Data, contact: &Contact) -> [Option<SkinSpot>; 2] {
-        // MuJoCo's normal points from the first geom to the second.
-        [(0, contact.normal), (1, -contact.normal)]
-            .map(|(k, outward)| self.spot(body, skin, data, contact.geoms[k], &contact.position, &outward))
-    }
-
-    /// What the receptor's own `touch` sensor tells of the last step of `data`, newtons.
-    pub fn sensor_force(&self, data: &Data, receptor: usize) -> Option<f64> {
-        let address = self.sensor_of_receptor[receptor]?;
-        data.model().has_sensors_enabled().then(|| data.sensordata()[address])
-    }
-
-    /// The nearest receptor on the geom whose patch holds the point.
-    fn spot(
+    /// The receptors at one side of a contact that presses which fire, each with what its sensor reads, newtons; if no sensor
+    /// reads it, the nearest. Those on the touched surface come first: a patch may lie over another surface of its limb.
+    fn fired(
         &self,
         body: &Body,
         skin: &Skin,
         data: &Data,
-        geom: usize,
-        p_w: &Point3<f64>,
-        outward_w: &Vector3<f64>,
-    ) -> Option<SkinSpot> {
-        let mujoco_body = body.model.geom_body(geom);
-        let x_wb = data.body_pose(mujoco_body);
-        let x_lb = body.pose_in_limb[mujoco_body];
-        let point = (x_lb * x_wb.inverse_transform_point(p_w)).coords;
-        let outward = x_lb * x_wb.inverse_transform_vector(outward_w);
-        let distance = |r: usize| (skin.receptors[r].position - point).norm_squared();
-        let feels = |r: &usize| skin.receptors[*r].feels(&point, &outward);
-        let receptors = self.receptors_on_geom[geom].iter().copied();
-        let receptor = receptors.filter(feels).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-        let limb = skin.receptors[receptor].limb;
-        Some(SkinSpot { limb, receptor, point, sensor_force: self.sensor_force(data, receptor) })
+        contact: &Contact,
+        side: usize,
+    ) -> Vec<(usize, Option<f64>)> {
+        let geom = contact.geoms[side];
+        let Some(limb) = body.limb_of_geom(geom) else { return Vec::new() };
+        let (point, outward) = in_limb(body, data, contact, side);
+        let reads = |r: &&usize| skin.receptors[**r].reads(&point, &outward);
+        let reading = |&r: &usize| Some((r, Some(self.sensor_reading(data, r).filter(|f| *f >= FAINT)?)));
+        let mut fired: Vec<(usize, Option<f64>)> =
+            self.receptors_on_limb[limb].iter().filter(reads).filter_map(reading).collect();
+        fired.sort_by_key(|(receptor, _)| !self.receptors_on_geom[geom].contains(receptor));
+        if fired.is_empty() {
+            let nearest = self.nearest(skin, geom, &point, &outward);
+            fired.extend(nearest.map(|receptor| (receptor, None)));
+        }
+        fired
     }
+
+    /// What the receptor's own `touch` sensor reads after the last step of `data`, newtons.
+    fn sensor_reading(&self, data: &Data, receptor: usize) -> Option<f64> {
+        let address = self.sensor_of_receptor[receptor]?;
+        data.model().has_sensors_enabled().then(|| data.sensordata()[address])
+    }
+
+    /// The nearest receptor on the geom whose patch holds a point of its limb.
+    fn nearest(
+        &self,
+        skin: &Skin,
+        geom: usize,
+        point: &Vector3<f64>,
+        outward: &Vector3<f64>,
+    ) -> Option<usize> {
+        let distance = |r: usize| (skin.receptors[r].position - point).norm_squared();
+        let receptors = self.receptors_on_geom[geom].iter().copied();
+        let feel = receptors.filter(|&r| skin.receptors[r].feels(point, outward));
+        feel.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+/// The point of a contact and the outward normal at one of its sides, in the frame of the limb there.
+fn in_limb(body: &Body, data: &Data, contact: &Contact, side: usize) -> (Vector3<f64>, Vector3<f64>) {
+    let mujoco_body = body.model.geom_body(contact.geoms[side]);
+    let x_wb = data.body_pose(mujoco_body);
+    let x_lb = body.pose_in_limb[mujoco_body];
+    // MuJoCo's normal points from the first geom to the second.
+    let outward = if side == 0 { contact.normal } else { -contact.normal };
+    let point = (x_lb * x_wb.inverse_transform_point(&contact.position)).coords;
+    (point, x_lb * x_wb.inverse_transform_vector(&outward))
 }

@@ -3,7 +3,7 @@
 use super::SkinContact;
 
 /// How long a receptor must be silent before it has ceased to fire, seconds: a probe that bounces comes back sooner.
-const SILENCE: f64 = 0.03;
+pub(super) const SILENCE: f64 = 0.03;
 
 /// A receptor that fired without a pause.
 #[derive(Clone, Copy, Debug, PartialEq)]

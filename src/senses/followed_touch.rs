@@ -1,23 +1,12 @@
 //! Something that touches, followed from step to step until it is understood.
 
-use nalgebra::Vector3;
-
-use super::felt_surface::FeltSurface;
+use super::mapped_skin::{Following, MappedSkin};
 use super::touch_sensor::RELEASE;
-use super::touch_trail::Trail;
-use super::{Sensation, SkinContact, SkinSpot, TouchKind, Toucher};
+use super::touch_trail::{LONGEST, Trail};
+use super::{Sensation, SkinContact, TouchKind, Toucher};
 
-/// A touch without a way along the skin that is shorter than this is a tap, seconds.
+/// A touch that stays on its patch and is shorter than this is a tap, seconds.
 const TAP: f64 = 0.25;
-/// Turns back after which a way along the skin is rubbing.
-const TURNS_OF_RUB: usize = 1;
-/// How wide a gap without skin may be at a joint, metres, and how long a touch that moves is waited for there at the
-/// most, seconds.
-const GAP: f64 = 0.006;
-const LONGEST_GAP: f64 = 0.15;
-/// How far a touch may go over skin without receptors, metres, and how long it is waited for there at the most, seconds.
-const BARE: f64 = 0.05;
-const LONGEST_BARE: f64 = 0.5;
 
 /// Something that touches, followed from step to step.
 #[derive(Clone, Debug)]
@@ -37,18 +26,13 @@ pub(super) struct FollowedTouch {
 
 impl FollowedTouch {
     /// What begins at `time` with these contacts.
-    pub fn new(number: u64, time: f64, contacts: Vec<SkinContact>) -> FollowedTouch {
-        let contact = fused(contacts.iter());
-        FollowedTouch {
-            number,
-            began: time,
-            last: time,
-            trails: contact.spots().map(|spot| Trail::new(time, &spot)).collect(),
-            heads: contacts,
-            peak: contact.force,
-            sum: contact.force,
-            steps: 1,
-        }
+    pub fn new(number: u64, time: f64, contacts: Vec<SkinContact>, skin: &MappedSkin) -> FollowedTouch {
+        let trails = contacts[0].spots().map(|_| Trail::default()).collect();
+        let heads = vec![contacts[0].clone()];
+        let mut touch =
+            FollowedTouch { number, began: time, last: time, heads, trails, peak: 0.0, sum: 0.0, steps: 0 };
+        touch.add(time, contacts, skin);
+        touch
     }
 
     /// All its contacts as one.
@@ -56,17 +40,27 @@ impl FollowedTouch {
         fused(self.heads.iter())
     }
 
+    /// How a contact of a step at `time` follows it. `None` if it does not.
+    pub fn following(&self, time: f64, contact: &SkinContact, skin: &MappedSkin) -> Option<Following> {
+        let following = self.heads.iter().filter_map(|head| skin.following(head, contact)).min();
+        // While it is waited for it comes back from beyond where it was; what stayed on its patch was lifted.
+        let waits = time - self.last > RELEASE;
+        following.filter(|following| match following {
+            Following::Same => !waits || self.trails.iter().any(|trail| trail.moves().0),
+            Following::Adjacent => true,
+            Following::Beyond => waits,
+        })
+    }
+
     /// Goes on with the contacts of a step.
-    pub fn add(&mut self, time: f64, contacts: Vec<SkinContact>, surface: &FeltSurface) {
+    pub fn add(&mut self, time: f64, contacts: Vec<SkinContact>, skin: &MappedSkin) {
         let before = self.heads[0].clone();
-        let contacts: Vec<SkinContact> =
-            contacts.into_iter().map(|contact| surface.turned_like(&before, contact)).collect();
+        self.heads = contacts.into_iter().map(|contact| skin.turned_like(&before, contact)).collect();
         for (k, trail) in self.trails.iter_mut().enumerate() {
-            let spots = contacts.iter().filter_map(|contact| Some((contact.spots().nth(k)?, contact.force)));
-            trail.add(time, spots, surface);
+            let spots = self.heads.iter().filter_map(|contact| contact.spots().nth(k));
+            trail.add(time, spots.map(|spot| spot.receptor));
         }
         self.last = time;
-        self.heads = contacts;
         let force: f64 = self.heads.iter().map(|contact| contact.force).sum();
         self.peak = self.peak.max(force);
         self.sum += force;
@@ -74,51 +68,28 @@ impl FollowedTouch {
     }
 
     /// Whether nothing has touched for so long that it has ended.
-    pub fn is_over(&self, time: f64, surface: &FeltSurface) -> bool {
+    pub fn is_over(&self, time: f64, skin: &MappedSkin) -> bool {
         let silent = time - self.last;
-        silent > RELEASE && (silent > RELEASE + LONGEST_BARE || silent > self.patience(surface))
-    }
-
-    /// How far it may have gone on since it touched last, metres.
-    pub fn gone_on(&self, time: f64) -> f64 {
-        self.pace().map_or(0.0, |pace| pace * (time - self.last))
-    }
-
-    /// How long nothing must touch before it has ended, seconds: longer where it was about to go on to another limb, or
-    /// over skin that has no receptors.
-    fn patience(&self, surface: &FeltSurface) -> f64 {
-        let Some(pace) = self.pace() else { return RELEASE };
-        if self.trails.iter().any(|trail| trail.leads_off(surface)) {
-            RELEASE + (BARE / pace).min(LONGEST_BARE)
-        } else if self.heads.iter().flat_map(SkinContact::spots).any(|spot| surface.is_brink(&spot)) {
-            RELEASE + (GAP / pace).min(LONGEST_GAP)
-        } else {
-            RELEASE
-        }
-    }
-
-    /// How fast it moved when it touched last, metres a second; none where it stayed.
-    fn pace(&self) -> Option<f64> {
-        self.trails.iter().filter_map(|trail| trail.pace(self.last)).max_by(f64::total_cmp)
+        let patience = || self.trails.iter().map(|trail| trail.patience(skin)).fold(0.0, f64::max);
+        silent > RELEASE && (silent > RELEASE + LONGEST || silent > RELEASE + patience())
     }
 
     /// What it was.
-    pub fn sensation(self) -> Sensation {
+    pub fn sensation(self, skin: &MappedSkin) -> Sensation {
         let duration = self.last - self.began;
-        let moving = self.trails.iter().filter(|trail| trail.moves());
-        let turns = moving.map(Trail::turns).max();
-        let kind = match turns {
-            Some(turns) if turns >= TURNS_OF_RUB => TouchKind::Rub,
-            Some(_) => TouchKind::Stroke,
-            None if duration < TAP => TouchKind::Tap,
-            None => TouchKind::Press,
+        let moves: Vec<(bool, bool)> = self.trails.iter().map(Trail::moves).collect();
+        let kind = match (moves.iter().any(|(along, _)| *along), moves.iter().any(|(_, back)| *back)) {
+            (_, true) => TouchKind::Rub,
+            (true, false) => TouchKind::Stroke,
+            (false, false) if duration < TAP => TouchKind::Tap,
+            (false, false) => TouchKind::Press,
         };
         Sensation {
             began: self.began,
             ended: self.last,
             kind,
             by: self.heads[0].by.party(),
-            sides: self.trails.iter().map(|trail| trail.side(duration)).collect(),
+            sides: self.trails.iter().map(|trail| trail.side(skin, duration)).collect(),
             peak_force: self.peak,
             mean_force: self.sum / self.steps as f64,
         }
@@ -128,30 +99,15 @@ impl FollowedTouch {
 /// A self-touch as it is told outside: the place on the earlier limb first.
 pub(super) fn earlier_first(contact: &SkinContact) -> SkinContact {
     match contact.by {
-        Toucher::Own(own) if own.limb < contact.spot.limb => {
-            SkinContact { spot: own, by: Toucher::Own(contact.spot), force: contact.force }
-        }
+        Toucher::Own(own) if own.limb < contact.spot.limb => contact.turned(),
         _ => contact.clone(),
     }
 }
 
-/// Contacts of one party as one: forces add up, places are their mean by force, of those on the limb of the strongest.
+/// Contacts of one party as one: that which presses most, of several the first, with the sum of their forces.
 pub(super) fn fused<'a>(contacts: impl Iterator<Item = &'a SkinContact> + Clone) -> SkinContact {
-    let strongest = contacts.clone().max_by(|a, b| a.force.total_cmp(&b.force)).expect("there is a contact");
-    let mean = |strongest: SkinSpot, spot: &dyn Fn(&SkinContact) -> Option<SkinSpot>| {
-        let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
-        for contact in contacts.clone() {
-            if let Some(spot) = spot(contact).filter(|spot| spot.limb == strongest.limb) {
-                sum += spot.point * contact.force;
-                weight += contact.force;
-            }
-        }
-        SkinSpot { point: sum / weight, ..strongest }
-    };
-    let by = match strongest.by {
-        Toucher::Own(other) => Toucher::Own(mean(other, &|contact| contact.by.own())),
-        thing => thing,
-    };
     let force = contacts.clone().map(|contact| contact.force).sum();
-    SkinContact { spot: mean(strongest.spot, &|contact| Some(contact.spot)), by, force }
+    let strongest =
+        contacts.reduce(|a, b| if b.force > a.force { b } else { a }).expect("there is a contact");
+    SkinContact { force, ..strongest.clone() }
 }

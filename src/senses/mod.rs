@@ -2,7 +2,7 @@
 //!
 //! "Something was felt" has these levels, each made of the one before:
 //! - [`Reading`]: what one contact of the engine is, two places of skin, or bare, or foreign.
-//! - [`SkinContact`]: what presses on the skin in one step, where ([`SkinSpot`]) and by whom ([`Toucher`], [`Party`]).
+//! - [`SkinContact`]: which receptors fire in one step ([`SkinSpot`]) and by whom ([`Toucher`], [`Party`]).
 //! - [`TouchEvent`]: that something begins to touch, and afterwards the [`Sensation`] that it was, limb by limb.
 //! - [`Firing`]: of all that, only which receptor fired and when.
 //! - [`Touch`]: a self-touch that a motion ended in, with the posture and its two [`TouchEnd`]s: what is learned from.
@@ -14,10 +14,10 @@ pub mod aura;
 mod balance;
 mod contact_reader;
 mod disturbance;
-mod felt_surface;
 mod firing;
 mod followed_touch;
 mod learned_map;
+mod mapped_skin;
 mod proprioception;
 mod recorded_touch;
 mod sensation;
@@ -29,7 +29,7 @@ mod touch_trail;
 
 pub use aura::{Approach, Aura, AuraEvent};
 pub use balance::Balance;
-pub use contact_reader::{ContactReader, FAINT, Reading};
+pub use contact_reader::{ContactReader, FAINT, Reading, SkinPlace};
 pub use disturbance::{Disturbances, DisturbedSenses};
 pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};

@@ -60,13 +60,8 @@ pub struct SensationSide {
     pub last_limb: usize,
     /// The receptors that fired, in the order in which they did first, and when they did first and last, seconds.
     pub receptors: Vec<(usize, [f64; 2])>,
-    /// Where it began, in the frame of the limb where it began, metres.
-    pub point: Vector3<f64>,
     /// Way along the skin, over all limbs and joints, metres.
     pub path: f64,
-    /// Unit direction from its beginning to its end on the limb where it began, in that limb's frame; zero where it
-    /// stayed.
-    pub direction: Vector3<f64>,
     /// Mean speed along the skin, metres a second.
     pub speed: f64,
     /// Limb by limb, in the order in which they felt it first.

@@ -1,19 +1,12 @@
 //! What touches the skin in one step, and where.
 
-use nalgebra::Vector3;
-
-/// A place on the skin that something touches.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A place on the skin that something touches, as exactly as the skin feels it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SkinSpot {
     /// The limb.
     pub limb: usize,
-    /// The receptor that holds the point.
+    /// The receptor that fires.
     pub receptor: usize,
-    /// The point in the limb's frame, metres.
-    pub point: Vector3<f64>,
-    /// What the receptor's own `touch` sensor tells, newtons: all that presses on it in this step, by MuJoCo's own rule
-    /// of what presses on a site. None where the receptor has no such sensor, or no forces were computed.
-    pub sensor_force: Option<f64>,
 }
 
 /// What touches the skin.
@@ -74,7 +67,8 @@ pub struct SkinContact {
     pub spot: SkinSpot,
     /// What touches it.
     pub by: Toucher,
-    /// Normal force, newtons.
+    /// What the receptor's own `touch` sensor reads, newtons: all that presses on it. If no sensor reads the contact, its
+    /// normal force.
     pub force: f64,
 }
 
@@ -87,6 +81,14 @@ impl SkinContact {
     /// Who touches which limb, and with which of its own in a self-touch.
     pub fn parties(&self) -> (usize, Party, Option<usize>) {
         (self.spot.limb, self.by.party(), self.by.own().map(|spot| spot.limb))
+    }
+
+    /// The same from the other side of a self-touch; any other as it is.
+    pub fn turned(&self) -> SkinContact {
+        match self.by {
+            Toucher::Own(own) => SkinContact { spot: own, by: Toucher::Own(self.spot), force: self.force },
+            Toucher::Thing(_) | Toucher::Through(_) => self.clone(),
+        }
     }
 
     /// The contact as each of its places feels it: a self-touch is felt twice.

@@ -1,202 +1,160 @@
-//! The way of a touch over the skin: limb by limb, and over the joints between them.
+//! The way of a touch over the skin: the receptors that fired one after the other.
 
 use nalgebra::Vector3;
 
-use super::felt_surface::FeltSurface;
-use super::{LimbSensation, SensationSide, SkinSpot};
+use super::firing::{Firing, SILENCE};
+use super::mapped_skin::MappedSkin;
+use super::{LimbSensation, SensationSide};
 
-/// Way along the skin from which on a touch moves, metres: the point of contact of something soft shifts as it presses.
-const MOVES: f64 = 0.012;
-/// Steps in which a way along the skin is measured, metres: less is the jitter of a point of contact.
-const STRIDE: f64 = 0.004;
-/// A turn back counts once it has gone so far, metres: where a fingertip rolls over a crease, the point of contact jumps
-/// back by less.
-const TURN_BACK: f64 = 0.008;
-/// Directions with a cosine below this are a turn back.
-const BACK: f64 = -0.3;
-/// How long after its last step along the skin a touch still counts as moving, seconds: at 5 cm/s a step takes 0.08.
-const MOVING: f64 = 0.1;
+/// What fires together for less than this is no stay, seconds: a touch cuts a corner, or begins to press.
+const PASSING: f64 = 0.02;
+/// How far a touch may go on that leaves a receptor, metres: over a hole between patches, …
+const HOLE: f64 = 0.02;
+/// … or straight ahead where the map has no neighbour.
+const BARE: f64 = 0.05;
+/// How long it is waited for there at the most, seconds.
+pub(super) const LONGEST: f64 = 0.2;
 
 /// One side of what is being followed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Trail {
-    receptors: Vec<(usize, [f64; 2])>,
-    /// Limb by limb, in the order in which it came onto them.
-    limbs: Vec<LimbTrail>,
-    /// The one it is on.
-    on: usize,
-    /// Where it was last.
-    now: SkinSpot,
-    path: f64,
-    /// The way over a joint just passed, which counts once it goes on there.
-    crossed: f64,
-    turns: usize,
-    /// When the last step along the skin ended, and how fast it was, metres a second.
-    stride: (f64, f64),
+    /// In the order in which they began.
+    firings: Vec<Firing>,
 }
 
-/// The part of a trail on one limb.
+/// What fired together for a while.
 #[derive(Clone, Debug)]
-struct LimbTrail {
-    limb: usize,
-    start: Vector3<f64>,
-    now: Vector3<f64>,
+struct Stay {
+    /// In their order.
+    receptors: Vec<usize>,
+    /// The one that began last.
+    newest: usize,
     span: [f64; 2],
-    /// Where the last step along the skin ended, and the direction it goes; how far it has gone against that.
-    anchor: Vector3<f64>,
-    heading: Option<Vector3<f64>>,
-    back: f64,
-    path: f64,
 }
 
-impl LimbTrail {
-    fn new(time: f64, spot: &SkinSpot) -> LimbTrail {
-        LimbTrail {
-            limb: spot.limb,
-            start: spot.point,
-            now: spot.point,
-            span: [time; 2],
-            anchor: spot.point,
-            heading: None,
-            back: 0.0,
-            path: 0.0,
-        }
+impl Stay {
+    fn lasted(&self) -> f64 {
+        self.span[1] - self.span[0]
     }
+}
 
-    /// Goes on to a point: the length of the step that this completes, if it does, and whether it has turned back.
-    fn go(&mut self, time: f64, point: Vector3<f64>) -> Option<(f64, bool)> {
-        self.now = point;
-        self.span[1] = time;
-        let stride = point - self.anchor;
-        let length = stride.norm();
-        if length < STRIDE {
-            return None;
+/// Stays of the same receptors one after the other as one.
+fn merged(stays: impl Iterator<Item = Stay>) -> Vec<Stay> {
+    let mut merged: Vec<Stay> = Vec::new();
+    for stay in stays {
+        match merged.last_mut() {
+            Some(last) if last.receptors == stay.receptors => last.span[1] = stay.span[1],
+            _ => merged.push(stay),
         }
-        let heading = stride / length;
-        self.anchor = point;
-        self.path += length;
-        if self.heading.is_none_or(|before| before.dot(&heading) >= BACK) {
-            (self.heading, self.back) = (Some(heading), 0.0);
-            return Some((length, false));
-        }
-        self.back += length;
-        let turned = self.back >= TURN_BACK;
-        if turned {
-            (self.heading, self.back) = (Some(heading), 0.0);
-        }
-        Some((length, turned))
     }
+    merged
+}
+
+/// The receptors that it came to, one after the other.
+fn places(stays: &[Stay]) -> Vec<usize> {
+    let mut places: Vec<usize> = stays.iter().map(|stay| stay.newest).collect();
+    places.dedup();
+    places
 }
 
 impl Trail {
-    pub fn new(time: f64, spot: &SkinSpot) -> Trail {
-        Trail {
-            receptors: vec![(spot.receptor, [time; 2])],
-            limbs: vec![LimbTrail::new(time, spot)],
-            on: 0,
-            now: *spot,
-            path: 0.0,
-            crossed: 0.0,
-            turns: 0,
-            stride: (f64::NEG_INFINITY, 0.0),
-        }
-    }
-
-    /// Goes on with the places of one step and the forces there, newtons. It stays on its limb as long as it touches that.
-    pub fn add(
-        &mut self,
-        time: f64,
-        spots: impl Iterator<Item = (SkinSpot, f64)> + Clone,
-        surface: &FeltSurface,
-    ) {
-        for (spot, _) in spots.clone() {
-            match self.receptors.iter_mut().find(|(receptor, _)| *receptor == spot.receptor) {
-                Some((_, span)) => span[1] = time,
-                None => self.receptors.push((spot.receptor, [time; 2])),
+    /// Takes in the receptors that fire in a step.
+    pub fn add(&mut self, time: f64, receptors: impl Iterator<Item = usize>) {
+        for receptor in receptors {
+            let mut firings = self.firings.iter_mut().rev();
+            match firings.find(|firing| firing.receptor == receptor) {
+                Some(firing) if time - firing.span[1] <= SILENCE => firing.span[1] = time,
+                _ => self.firings.push(Firing { receptor, span: [time; 2] }),
             }
         }
-        let stays = spots.clone().any(|(spot, _)| spot.limb == self.now.limb);
-        let strongest = spots
-            .clone()
-            .filter(|(spot, _)| !stays || spot.limb == self.now.limb)
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((strongest, _)) = strongest else { return };
-        let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
-        for (spot, force) in spots.filter(|(spot, _)| spot.limb == strongest.limb) {
-            sum += spot.point * force;
-            weight += force;
-        }
-        let spot = SkinSpot { point: sum / weight, ..strongest };
-        if spot.limb != self.now.limb {
-            let way = surface.way(&self.now, &spot);
-            // Back where it came from before it has gone on: it never left.
-            self.crossed = if self.crossed > 0.0 { 0.0 } else { way };
-            match self.limbs.iter().position(|part| part.limb == spot.limb) {
-                Some(known) => self.on = known,
-                None => {
-                    self.on = self.limbs.len();
-                    self.limbs.push(LimbTrail::new(time, &spot));
-                }
-            }
-            if self.crossed > 0.0 {
-                self.limbs[self.on].anchor = spot.point;
-            }
-        }
-        self.now = spot;
-        if let Some((length, turned)) = self.limbs[self.on].go(time, spot.point) {
-            let passed = (time - self.stride.0).max(1e-3);
-            self.stride = (time, if passed < MOVING { length / passed } else { length / MOVING });
-            self.path += length + std::mem::take(&mut self.crossed);
-            self.turns += usize::from(turned);
-        }
     }
 
-    /// Whether it is a way along the skin, not only the shift of a point of contact.
-    pub fn moves(&self) -> bool {
-        self.path >= MOVES
+    /// Which receptors fired together, one stay after the other.
+    fn stays(&self) -> Vec<Stay> {
+        let mut times: Vec<f64> = self.firings.iter().flat_map(|firing| firing.span).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let fire = |span: [f64; 2]| {
+            let fires = |firing: &&Firing| firing.span[0] <= span[0] && span[1] <= firing.span[1];
+            let mut receptors: Vec<usize> =
+                self.firings.iter().filter(fires).map(|firing| firing.receptor).collect();
+            let newest = receptors.last().copied()?;
+            receptors.sort_unstable();
+            Some(Stay { receptors, newest, span })
+        };
+        let all: Vec<Stay> = times.windows(2).filter_map(|pair| fire([pair[0], pair[1]])).collect();
+        let all = merged(all.into_iter());
+        let longest = all.iter().map(Stay::lasted).fold(0.0, f64::max);
+        merged(all.into_iter().filter(|stay| stay.lasted() >= PASSING.min(longest)))
     }
 
-    /// How often it has turned back.
-    pub fn turns(&self) -> usize {
-        self.turns
+    /// Whether it went along the skin, and whether it came back to where it had been.
+    pub fn moves(&self) -> (bool, bool) {
+        let stays = self.stays();
+        let back = |row: &&[Stay]| row[0].receptors == row[2].receptors;
+        // A straight way may lead over a patch that lies within another, once.
+        let within =
+            |row: &[Stay]| row[0].receptors.iter().all(|receptor| row[1].receptors.contains(receptor));
+        let (over, turns): (Vec<_>, Vec<_>) = stays.windows(3).filter(back).partition(|row| within(row));
+        (stays.len() > 1, !turns.is_empty() || over.len() > 1)
     }
 
-    /// How fast it moves along the skin at a time, metres a second; none where it stays.
-    pub fn pace(&self, time: f64) -> Option<f64> {
-        (time - self.stride.0 <= MOVING).then_some(self.stride.1)
-    }
-
-    /// Whether it was about to leave the patches of the surface that it is on.
-    pub fn leads_off(&self, surface: &FeltSurface) -> bool {
-        self.limbs[self.on].heading.is_some_and(|heading| surface.leads_off(&self.now, &heading))
+    /// How long nothing must touch beyond the release before it has ended, seconds: until it would have got over a hole as
+    /// fast as it went. What has not moved is not waited for.
+    pub fn patience(&self, skin: &MappedSkin) -> f64 {
+        let stays = self.stays();
+        let (Some(first), Some(last)) = (stays.first(), stays.last()) else { return 0.0 };
+        let places = places(&stays);
+        let way: f64 = places.windows(2).map(|pair| skin.way(pair[0], pair[1])).sum();
+        let wait = match places[..] {
+            [.., from, to] if skin.leads_off(from, to) => BARE,
+            [_, _, ..] => HOLE,
+            _ => return 0.0,
+        };
+        (wait * (last.span[1] - first.span[0]) / way).min(LONGEST)
     }
 
     /// What it was, all in all.
-    pub fn side(&self, duration: f64) -> SensationSide {
-        let moves = self.moves();
-        let direction = |from: &Vector3<f64>, to: &Vector3<f64>| {
-            if moves { (to - from).try_normalize(1e-9).unwrap_or_default() } else { Vector3::zeros() }
-        };
-        let limbs: Vec<LimbSensation> = self
-            .limbs
-            .iter()
-            .map(|part| LimbSensation {
-                limb: part.limb,
-                point: part.start,
-                end: part.now,
-                span: part.span,
-                path: part.path,
-                direction: direction(&part.start, &part.now),
-            })
-            .collect();
+    pub fn side(&self, skin: &MappedSkin, duration: f64) -> SensationSide {
+        let stays = self.stays();
+        let mut limbs: Vec<(LimbSensation, usize)> = Vec::new();
+        let (mut path, mut before) = (0.0, None);
+        // Of what lasted a single step there is no stay.
+        let alone = self.firings[..1].iter().map(|firing| (firing.receptor, firing.span));
+        let places =
+            stays.iter().map(|stay| (stay.newest, stay.span)).chain(alone.filter(|_| stays.is_empty()));
+        for (receptor, span) in places {
+            let (limb, centre) = (skin.limb(receptor), skin.centre(receptor));
+            let way = before.map_or(0.0, |before| skin.way(before, receptor));
+            let stays_on = before.is_some_and(|before| skin.limb(before) == limb);
+            (path, before) = (path + way, Some(receptor));
+            match limbs.iter_mut().find(|(part, _)| part.limb == limb) {
+                Some((part, first)) => {
+                    (part.end, part.span[1]) = (centre, span[1]);
+                    part.direction = (centre - skin.centre(*first)).try_normalize(1e-9).unwrap_or_default();
+                    part.path += if stays_on { way } else { 0.0 };
+                }
+                None => {
+                    let (path, direction) = (0.0, Vector3::zeros());
+                    let part = LimbSensation { limb, point: centre, end: centre, span, path, direction };
+                    limbs.push((part, receptor));
+                }
+            }
+        }
+        let mut receptors: Vec<(usize, [f64; 2])> = Vec::new();
+        for firing in &self.firings {
+            match receptors.iter_mut().find(|(receptor, _)| *receptor == firing.receptor) {
+                Some((_, span)) => span[1] = firing.span[1],
+                None => receptors.push((firing.receptor, firing.span)),
+            }
+        }
+        let limbs: Vec<LimbSensation> = limbs.into_iter().map(|(part, _)| part).collect();
         SensationSide {
             limb: limbs[0].limb,
-            last_limb: self.now.limb,
-            receptors: self.receptors.clone(),
-            point: limbs[0].point,
-            path: self.path,
-            direction: limbs[0].direction,
-            speed: if moves && duration > 0.0 { self.path / duration } else { 0.0 },
+            last_limb: before.map_or(limbs[0].limb, |last| skin.limb(last)),
+            receptors,
+            path,
+            speed: if duration > 0.0 { path / duration } else { 0.0 },
             limbs,
         }
     }

@@ -91,8 +91,9 @@ fn limb_json(stage: &Stage, limb: usize) -> Value {
 
 fn spot_json(stage: &Stage, spot: &SkinSpot) -> Value {
     let mut told = limb_json(stage, spot.limb);
-    told["receptor"] = json!(stage.skin().receptors[spot.receptor].id);
-    told["point"] = json!(spot.point.as_slice());
+    let receptor = &stage.skin().receptors[spot.receptor];
+    told["receptor"] = json!(receptor.id);
+    told["point"] = json!(receptor.position.as_slice());
     told
 }
 
@@ -105,9 +106,9 @@ fn side_json(stage: &Stage, side: &SensationSide) -> Value {
             json!({"receptor": stage.skin().receptors[*receptor].id, "first": first, "last": last})
         })
         .collect();
-    told["point"] = json!(side.point.as_slice());
+    told["point"] = json!(side.limbs[0].point.as_slice());
     told["path"] = json!(side.path);
-    told["direction"] = json!(side.direction.as_slice());
+    told["direction"] = json!(side.limbs[0].direction.as_slice());
     told["speed"] = json!(side.speed);
     told["limbs"] = side.limbs.iter().map(|part| part_json(stage, part)).collect();
     told["last_limb"] = json!(stage.agent().creature().limbs()[side.last_limb]);

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::mujoco::{Contact, Data};
 use crate::named::named;
 use crate::senses::{
-    ContactReader, ExactContact, Moment, Proprioception, Reading, RecordedTouch, SkinSpot, Touch, TouchEnd,
+    ContactReader, ExactContact, Moment, Proprioception, Reading, RecordedTouch, SkinPlace, Touch, TouchEnd,
 };
 use crate::simulation::advancement::{ConservativeAdvancement, SLIDING};
 use crate::simulation::touchable::Encounter;
@@ -44,10 +44,14 @@ pub struct Met {
 
 impl Met {
     /// Two places on the skin that met, so deep in each other where forces were at work, metres.
-    pub(super) fn new(spots: [SkinSpot; 2], depth: Option<f64>) -> Met {
+    pub(super) fn new(places: [SkinPlace; 2], depth: Option<f64>) -> Met {
         Met {
-            receptors: spots.map(|spot| spot.receptor),
-            contact: ExactContact { points: spots.map(|spot| spot.point), depth, ..ExactContact::default() },
+            receptors: places.map(|place| place.receptor),
+            contact: ExactContact {
+                points: places.map(|place| place.point),
+                depth,
+                ..ExactContact::default()
+            },
         }
     }
 
@@ -384,7 +388,7 @@ impl<'a> Mover<'a> {
         self.data.set_qpos(&self.qpos)?;
         self.data.kinematics()?;
         Ok(match self.reader.read(self.body, self.skin, &self.data, &contact) {
-            Reading::Touch(spots) => Ending::Touch(Met::new(spots, None)),
+            Reading::Touch(places) => Ending::Touch(Met::new(places, None)),
             _ => {
                 self.effort.bare += 1;
                 Ending::Bare

@@ -24,6 +24,9 @@ pub(crate) use joined_limbs::JoinedLimbs;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
 pub use surface::Surface;
 
+/// Half the thickness of a patch, metres.
+const HALF_THICK: f64 = 8e-4;
+
 /// One touch receptor: a flat quadrangle on a limb's surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Receptor {
@@ -73,6 +76,13 @@ impl Receptor {
     /// Whether it feels a point of its limb's surface whose outward normal is given.
     pub fn feels(&self, p_l: &Vector3<f64>, outward: &Vector3<f64>) -> bool {
         self.holds(p_l) && self.normal.dot(outward) > 0.0
+    }
+
+    /// Whether its `touch` sensor reads what presses at a point of its limb with an outward normal: by MuJoCo's rule, if the
+    /// line from there along the normal leads through the patch.
+    pub(crate) fn reads(&self, p_l: &Vector3<f64>, outward: &Vector3<f64>) -> bool {
+        let (below, along) = (-self.patch_coordinates(p_l).z, self.normal.dot(outward));
+        along > 0.0 && below > -HALF_THICK && self.holds(&(p_l + outward * (below / along)))
     }
 
     /// Where on the limb a contact that this receptor reports may be: the covariance of a uniform

@@ -10,10 +10,11 @@ use crate::error::{Error, Result};
 use crate::senses::{Party, Sensation, TouchEvent, TouchKind};
 use crate::simulation::partner::{Stimulation, Strokes};
 use crate::simulation::{Stage, StepSenses};
+use crate::skin::SomatotopicMap;
 
 pub(super) const STUDY: Study = Study {
     name: "senses",
-    about: "how well taps, presses, strokes, rubs and strokes over joints are recognized; a trial is one each",
+    about: "how well taps, presses, strokes, rubs, strokes over joints and strokes by a damaged map are recognized; a trial is one each",
     of: Studied::Touched,
     touches: None,
     seconds: None,
@@ -57,16 +58,19 @@ enum Doing {
     One(TouchKind),
     /// A stroke over so many joints.
     Across(usize),
+    /// A stroke on one limb that is followed by a map with every other link missing.
+    Unlinked,
 }
 
 impl Doing {
-    const ALL: [Doing; 6] = [
+    const ALL: [Doing; 7] = [
         Doing::One(TouchKind::Tap),
         Doing::One(TouchKind::Press),
         Doing::One(TouchKind::Stroke),
         Doing::One(TouchKind::Rub),
         Doing::Across(1),
         Doing::Across(2),
+        Doing::Unlinked,
     ];
 
     fn name(self) -> &'static str {
@@ -74,6 +78,7 @@ impl Doing {
             Doing::One(kind) => kind.name(),
             Doing::Across(1) => "stroke over a joint",
             Doing::Across(_) => "stroke over two joints",
+            Doing::Unlinked => "stroke, half the map missing",
         }
     }
 
@@ -83,6 +88,7 @@ impl Doing {
         match self {
             Doing::One(kind) => strokes.random(kind, time, rng),
             Doing::Across(joints) => strokes.across(joints, time, rng),
+            Doing::Unlinked => strokes.random(TouchKind::Stroke, time, rng),
         }
     }
 }
@@ -90,10 +96,15 @@ impl Doing {
 fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let stage = subject.stage(&JointSelection::All, &["probe"], Vec::new())?;
+    let map = stage.map();
     let mut rows = Vec::new();
     for (stream, doing) in Doing::ALL.into_iter().enumerate().filter(|(_, doing)| trial.asks(doing.name())) {
         let mut rng = ChaCha8Rng::seed_from_u64(trial.seed);
         rng.set_stream(stream as u64);
+        stage.feel_by(match doing {
+            Doing::Unlinked => SomatotopicMap::of_links(map.receptors(), map.pairs().step_by(2)),
+            _ => map.clone(),
+        });
         let mut row = match doing.draw(&stage, &mut rng) {
             Some(done) => compared(&stage, &done)?,
             None => json!({"reported": "no room for it"}),

@@ -122,7 +122,7 @@ fn what_never_fired_or_fired_alone_has_no_neighbours() {
 
 #[test]
 fn a_receptor_fires_on_over_a_bounce_and_anew_after_silence() {
-    let spot = SkinSpot { limb: 0, receptor: 7, point: Vector3::zeros(), sensor_force: None };
+    let spot = SkinSpot { limb: 0, receptor: 7 };
     let contact = [SkinContact { spot, by: Toucher::Thing(1), force: 1.0 }];
     let mut recorder = FiringRecorder::default();
     let mut ended = Vec::new();

@@ -19,6 +19,10 @@ use serde_json::{Value, json};
 
 /// A step of the made-up contacts, seconds.
 const STEP: f64 = 0.002;
+/// How long after the last contact a touch is decided at the most, seconds: one that stayed on its patch …
+const SOON: f64 = 0.05;
+/// … and one that moved and may go on beyond a hole in the skin.
+const LONGEST: f64 = 0.24;
 /// The model's bodies that touch, whichever they are.
 const FINGER: usize = 1001;
 const PEN: usize = 1002;
@@ -41,14 +45,30 @@ impl Skinned {
         self.skin.receptor(id).unwrap_or_else(|| panic!("Max has no receptor {id}"))
     }
 
-    fn spot(&self, receptor: usize, point: Vector3<f64>) -> SkinSpot {
-        SkinSpot { limb: self.skin.receptors[receptor].limb, receptor, point, sensor_force: None }
+    fn spot(&self, receptor: usize) -> SkinSpot {
+        SkinSpot { limb: self.skin.receptors[receptor].limb, receptor }
     }
 
-    /// A contact in the middle of a receptor.
+    /// A contact that a receptor feels.
     fn on(&self, receptor: usize, thing: usize) -> SkinContact {
-        let spot = self.spot(receptor, self.skin.receptors[receptor].position);
-        SkinContact { spot, by: Toucher::Thing(thing), force: 1.0 }
+        SkinContact { spot: self.spot(receptor), by: Toucher::Thing(thing), force: 1.0 }
+    }
+
+    /// Whether the map has a neighbour of `b`, on its limb or another, for what comes from `a` and goes straight on.
+    fn goes_on(&self, a: usize, b: usize) -> bool {
+        let [from, to] = [a, b].map(|r| &self.skin.receptors[r]);
+        self.map.neighbours(b).iter().map(|&next| &self.skin.receptors[next]).any(|next| {
+            next.limb != to.limb || (next.position - to.position).angle(&(to.position - from.position)) < 0.8
+        })
+    }
+
+    /// All pairs of neighbours, either way round.
+    fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.map.pairs().flat_map(|[a, b]| [[a, b], [b, a]])
+    }
+
+    fn limb_of(&self, receptor: usize) -> usize {
+        self.skin.receptors[receptor].limb
     }
 
     /// Three receptors that lie nearly in a line, each the next one's neighbour, and more than 2 cm long in all.
@@ -76,8 +96,7 @@ impl Skinned {
             for k in 0..count {
                 let share = k as f64 / count as f64;
                 let receptor = if share < 0.5 { pair[0] } else { pair[1] };
-                let spot = self.spot(receptor, from + (to - from) * share);
-                steps.push(vec![SkinContact { spot, by: Toucher::Thing(FINGER), force: 2.0 }]);
+                steps.push(vec![SkinContact { force: 2.0, ..self.on(receptor, FINGER) }]);
             }
         }
         steps
@@ -126,7 +145,7 @@ fn at_one_place_a_short_touch_is_a_tap_and_a_long_one_a_press() {
         let [side] = &felt.sides[..] else { panic!("{kind:?} has {} sides", felt.sides.len()) };
         assert_eq!(side.limb, max.skin.receptors[receptor].limb);
         assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), [receptor]);
-        assert_eq!((side.path, side.speed, side.direction), (0.0, 0.0, Vector3::zeros()));
+        assert_eq!((side.path, side.speed, side.limbs[0].direction), (0.0, 0.0, Vector3::zeros()));
         assert!((felt.ended - felt.began - STEP * (steps - 1) as f64).abs() < 1e-9);
         assert!((felt.peak_force - 1.0).abs() < 1e-12 && (felt.mean_force - 1.0).abs() < 1e-12);
     }
@@ -142,7 +161,8 @@ fn along_a_row_of_receptors_is_a_stroke_with_its_order_and_direction() {
     assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), row);
     assert!(side.receptors.windows(2).all(|pair| pair[0].1[0] < pair[1].1[0]), "{:?}", side.receptors);
     let way = max.skin.receptors[row[2]].position - max.skin.receptors[row[0]].position;
-    assert!(side.direction.angle(&way) < 0.05, "{} rather than {way}", side.direction);
+    let direction = side.limbs[0].direction;
+    assert!(direction.angle(&way) < 0.05, "{direction} rather than {way}");
     assert!((side.path - way.norm()).abs() < 0.006, "{} m of {}", side.path, way.norm());
     assert!((side.speed - 0.1).abs() < 0.02, "{} m/s", side.speed);
 }
@@ -218,7 +238,8 @@ fn random_stimulations_of_max_are_told_right_and_soon() {
                     TouchEvent::Sensed { sensation, .. } => Some((sensation, time)),
                     TouchEvent::Began { .. } => None,
                 }));
-                if time > end + 0.1 {
+                // Longer than what may come back is waited for.
+                if time > end + 1.0 {
                     break;
                 }
             }
@@ -228,156 +249,93 @@ fn random_stimulations_of_max_are_told_right_and_soon() {
             let as_told = (told.kind, told.by, told.sides[0].limb);
             assert_eq!(as_told, (kind, Party::Thing(probe), done.limbs[0]), "seed {seed}");
             let decided = felt.last().expect("it was felt").1;
-            assert!(decided - last_contact <= 0.05, "{kind:?} of seed {seed}: after {decided} s");
+            let most = if matches!(kind, TouchKind::Tap | TouchKind::Press) { SOON } else { LONGEST };
+            assert!(decided - last_contact <= most, "{kind:?} of seed {seed}: after {decided} s");
         }
     }
 }
 
-/// Where the skins of two limbs meet: a receptor on each, and a point on each so near the border that the way between is
-/// short.
-fn border(max: &Skinned, limbs: [&str; 2]) -> [(usize, Vector3<f64>); 2] {
-    let on = |name: &str| {
-        let limb = max.limbs.iter().position(|limb| limb == name).unwrap();
-        (0..max.skin.receptors.len()).filter(move |&r| max.skin.receptors[r].limb == limb)
-    };
-    let way = |a: usize, b: usize| {
-        let [a, b] = [a, b].map(|r| (max.skin.receptors[r].limb, max.skin.receptors[r].position));
-        max.map.way_across(a, b).unwrap()
-    };
-    let pairs = on(limbs[0]).flat_map(|a| on(limbs[1]).map(move |b| (a, b)));
-    let (a, b) = pairs.min_by(|x, y| way(x.0, x.1).total_cmp(&way(y.0, y.1))).unwrap();
-    [a, b].map(|r| (r, max.skin.receptors[r].position))
-}
-
-/// The point near one of a limb where its skin ends and another's begins, downhill from there.
-fn towards_border(max: &Skinned, limb: usize, p: Vector3<f64>) -> Vector3<f64> {
-    let way = |p: &Vector3<f64>| max.map.way_to_border(limb, p).unwrap();
-    let step = |k: usize| Vector3::ith(k % 3, if k < 3 { 1e-4 } else { -1e-4 });
-    let mut p = p;
-    while let Some(next) = (0..6).map(|k| p + step(k)).find(|next| way(next) < way(&p)) {
-        p = next;
-    }
-    p
-}
-
-/// A finger that goes at 0.1 m/s from one place of a limb to another, in the limb's frame.
-fn going(max: &Skinned, receptor: usize, from: Vector3<f64>, to: Vector3<f64>) -> Vec<Vec<SkinContact>> {
-    let count = ((to - from).norm() / (0.1 * STEP)).ceil() as usize;
-    let at = |k: usize| from + (to - from) * (k as f64 / count as f64);
-    let contact = |k| SkinContact { spot: max.spot(receptor, at(k)), by: Toucher::Thing(FINGER), force: 1.0 };
-    (0..count).map(|k| vec![contact(k)]).collect()
+/// A receptor of one limb, its neighbour there, and that one's neighbour on another limb.
+fn over_a_joint(max: &Skinned, limbs: [&str; 2]) -> [usize; 3] {
+    let limbs = limbs.map(|name| max.limbs.iter().position(|limb| limb == name).unwrap());
+    let found = max.pairs().filter(|pair| pair.map(|r| max.limb_of(r)) == limbs).find_map(|[a, b]| {
+        let before = max.map.neighbours(a).iter().find(|&&other| max.limb_of(other) == limbs[0])?;
+        Some([*before, a, b])
+    });
+    found.expect("the map goes over the joint")
 }
 
 #[test]
 fn from_one_limb_on_to_the_next_is_one_stroke_over_a_short_gap_and_none_through_air() {
     let max = Skinned::new();
-    let [(a, p_a), (b, p_b)] = border(&max, ["left_upper_arm", "left_forearm"]);
-    let [limb_a, limb_b] = [a, b].map(|r| max.skin.receptors[r].limb);
-    let [leaves, arrives] = [(limb_a, p_a), (limb_b, p_b)].map(|(limb, p)| towards_border(&max, limb, p));
+    let [before, a, b] = over_a_joint(&max, ["left_upper_arm", "left_forearm"]);
+    let stays = |receptor: usize| vec![vec![max.on(receptor, FINGER)]; 40];
     for pause in [0, 20] {
-        let gap = vec![Vec::new(); pause];
-        let steps = [going(&max, a, p_a, leaves), gap, going(&max, b, arrives, p_b)].concat();
+        let steps = [max.along(&[before, a]), vec![Vec::new(); pause], stays(b)].concat();
         let felt = max.sensation(&steps);
         assert_eq!(felt.kind, TouchKind::Stroke);
         let [side] = &felt.sides[..] else { panic!("{} sides", felt.sides.len()) };
-        assert_eq!([side.limb, side.last_limb], [limb_a, limb_b]);
-        assert_eq!(side.limbs.iter().map(|part| part.limb).collect::<Vec<_>>(), [limb_a, limb_b]);
-        assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), [a, b]);
-        let [first, second] = [&side.limbs[0], &side.limbs[1]];
-        let way = (leaves - p_a).norm() + (p_b - arrives).norm();
-        assert!(side.path > way - 0.01 && side.path < way + 0.03, "{} m of {way}", side.path);
-        assert!(first.direction.dot(&(leaves - p_a)) > 0.0 && second.direction.dot(&(p_b - arrives)) > 0.0);
-        assert!(first.span[1] < second.span[0]);
+        assert_eq!([side.limb, side.last_limb], [a, b].map(|r| max.limb_of(r)));
+        assert_eq!(
+            side.limbs.iter().map(|part| part.limb).collect::<Vec<_>>(),
+            [a, b].map(|r| max.limb_of(r))
+        );
+        assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), [before, a, b]);
+        let way = max.skin.receptors[a].position - max.skin.receptors[before].position;
+        assert!(side.path > way.norm() && side.limbs[0].direction.dot(&way) > 0.0);
+        assert!(side.limbs[0].span[1] < side.limbs[1].span[0]);
     }
     // A finger of the other arm is no neighbour: nothing goes on there.
     let far = max.receptor("right_forearm_05");
-    let steps = [going(&max, a, p_a, leaves), vec![vec![max.on(far, FINGER)]; 20]].concat();
-    assert_eq!(max.sensations(&steps).len(), 2);
+    assert_eq!(max.sensations(&[max.along(&[before, a]), stays(far)].concat()).len(), 2);
 }
 
 #[test]
 fn over_skin_without_receptors_a_stroke_goes_on_and_after_a_lift_it_does_not() {
     let max = Skinned::new();
-    let unfelt = 0.015;
-    let gap = vec![Vec::new(); (unfelt / (0.1 * STEP)) as usize];
-    let over = |receptor: usize, from: Vector3<f64>, to: Vector3<f64>| {
-        let ahead = (to - from).normalize();
-        let [out, on] = [to + ahead * unfelt, to + ahead * (unfelt + 0.02)];
-        [going(&max, receptor, from, to), gap.clone(), going(&max, receptor, out, on)].concat()
-    };
-    // From the middle of a patch over an edge beyond which its limb has no receptors for as far as the finger goes unfelt.
-    let receptors = || max.skin.receptors.iter().enumerate();
-    let off_the_edge = receptors().find_map(|(r, own)| {
-        let felt = |p: &Vector3<f64>| {
-            receptors().any(|(_, other)| other.limb == own.limb && other.feels(p, &own.normal))
+    let gap = vec![Vec::new(); (0.015 / (0.1 * STEP)) as usize];
+    let position = |r: usize| max.skin.receptors[r].position;
+    let extent = |r: usize| 0.5 * max.skin.receptors[r].half_extents.iter().sum::<f64>();
+    let on_one_limb = || max.pairs().filter(|[a, b]| max.limb_of(*a) == max.limb_of(*b));
+    // From the last receptor before bare skin to one that is no neighbour of its, not far beyond.
+    let over = on_one_limb().filter(|[a, b]| !max.goes_on(*a, *b)).find_map(|[a, b]| {
+        let beyond = |&c: &usize| {
+            let way = (position(c) - position(b)).norm() - extent(b) - extent(c);
+            max.limb_of(c) == max.limb_of(b)
+                && !max.map.adjacent(b, c)
+                && c != a
+                && (0.0..0.02).contains(&way)
         };
-        (0..16).find_map(|k| {
-            let angle = f64::from(k) * std::f64::consts::TAU / 16.0;
-            let ahead = own.tangent * angle.cos() + own.bitangent() * angle.sin();
-            let at = |distance: f64| own.position + ahead * distance;
-            let edge = (10..60).map(|k| 0.001 * f64::from(k)).find(|edge| !felt(&at(*edge)))?;
-            let bare = (0..10).all(|k| !felt(&at(edge + 0.1 * unfelt * f64::from(k))));
-            bare.then(|| (r, own.position, at(edge - 0.001)))
-        })
+        Some([a, b, (0..max.skin.receptors.len()).find(beyond)?])
     });
-    let (edge, from, to) = off_the_edge.expect("Max has bare skin");
-    let felt = max.sensation(&over(edge, from, to));
-    assert_eq!(felt.kind, TouchKind::Stroke);
-    let way = (to - from).norm() + unfelt + 0.02;
-    assert!((felt.sides[0].path - way).abs() < 0.01, "{} m of {way}", felt.sides[0].path);
-    // In the midst of a patch that feels what comes next, silence is a finger that was lifted.
-    let whole = max.receptor("left_forearm_05");
-    let own = &max.skin.receptors[whole];
-    assert_eq!(max.sensations(&over(whole, own.position - own.tangent * 0.02, own.position)).len(), 2);
+    let [a, b, c] = over.expect("Max has bare skin");
+    let steps = [max.along(&[a, b]), gap, vec![vec![max.on(c, FINGER)]; 20]].concat();
+    let felt = max.sensation(&steps);
+    assert_eq!((felt.kind, felt.sides[0].receptors.len()), (TouchKind::Stroke, 3));
+    // In the midst of receptors that feel what comes next, a longer silence is a finger that was lifted.
+    let at_joint = |r: usize| max.map.neighbours(r).iter().any(|&other| max.limb_of(other) != max.limb_of(r));
+    let midst = on_one_limb().find(|[a, b]| max.goes_on(*a, *b) && !at_joint(*b)).unwrap();
+    let lift = vec![Vec::new(); (0.04 / (0.1 * STEP)) as usize];
+    let steps = [max.along(&midst), lift, vec![vec![max.on(midst[1], FINGER)]; 20]].concat();
+    assert_eq!(max.sensations(&steps).len(), 2);
 }
 
 #[test]
 fn two_fingers_of_one_party_stay_two_and_the_two_sides_of_a_crease_are_one() {
     let max = Skinned::new();
-    let receptor = max.receptor("left_forearm_05");
-    let middle = max.skin.receptors[receptor].position;
-    let along = max.skin.receptors[receptor].tangent;
-    let at = |distance: f64| SkinContact {
-        spot: max.spot(receptor, middle + along * distance),
-        by: Toucher::Thing(FINGER),
-        force: 1.0,
-    };
-    for (apart, count) in [(0.025, 2), (0.012, 1)] {
-        let felt = max.sensations(&vec![vec![at(-0.5 * apart), at(0.5 * apart)]; 20]);
-        assert_eq!(felt.len(), count, "{apart} m apart");
+    let [a, b, c] = max.row();
+    assert!(!max.map.adjacent(a, c));
+    for (fingers, count) in [([a, c], 2), ([a, b], 1)] {
+        let felt = max.sensations(&vec![fingers.map(|r| max.on(r, FINGER)).to_vec(); 20]);
+        assert_eq!(felt.len(), count, "{fingers:?}");
     }
-    // One lies still while the other passes it: a press and a stroke, though they come near each other.
-    let passing = |k: usize| {
-        let stays = at(0.0);
-        let passes = SkinContact {
-            spot: max.spot(
-                receptor,
-                middle
-                    + along * (-0.03 + 0.1 * STEP * k as f64)
-                    + max.skin.receptors[receptor].bitangent() * 0.012,
-            ),
-            ..at(0.0)
-        };
-        vec![stays, passes]
-    };
-    let felt = max.sensations(&(0..300).map(passing).collect::<Vec<_>>());
-    let mut kinds: Vec<TouchKind> = felt.iter().map(|sensation| sensation.kind).collect();
-    kinds.sort_unstable();
-    assert_eq!(kinds, [TouchKind::Press, TouchKind::Stroke]);
-    // Where a finger lies in the bend of a joint both limbs feel it: that is one press. Farther apart along the skin, on
-    // either side of the joint, are two fingers.
-    let [(a, p_a), (b, p_b)] = border(&max, ["left_forearm", "left_hand"]);
-    let ends = [(a, p_a), (b, p_b)].map(|(r, p)| (r, p, towards_border(&max, max.skin.receptors[r].limb, p)));
-    let spots = |share: f64| ends.map(|(r, p, to)| max.spot(r, to + (p - to) * share));
-    let way = |[one, other]: [SkinSpot; 2]| {
-        max.map.way_across((one.limb, one.point), (other.limb, other.point)).unwrap()
-    };
-    for (apart, count) in [(0.012, 1), (0.035, 2)] {
-        let wide = (0..400).map(|k| spots(0.01 * f64::from(k))).find(|spots| way(*spots) >= apart);
-        let wide = wide.expect("the limbs are long enough");
-        assert!(way(wide) < apart + 0.003, "{} m in place of {apart}", way(wide));
-        let both = wide.map(|spot| SkinContact { spot, by: Toucher::Thing(FINGER), force: 1.0 });
-        assert_eq!(max.sensations(&vec![both.to_vec(); 200]).len(), count, "{apart} m apart over the wrist");
+    // Where a finger lies in the bend of a joint both limbs feel it: that is one press.
+    let [before, side, other] = over_a_joint(&max, ["left_forearm", "left_hand"]);
+    let apart = max.map.neighbours(before).iter().find(|&&r| !max.map.adjacent(r, other) && r != side);
+    for (fingers, count) in [([side, other], 1), ([*apart.unwrap(), other], 2)] {
+        let felt = max.sensations(&vec![fingers.map(|r| max.on(r, FINGER)).to_vec(); 200]);
+        assert_eq!(felt.len(), count, "{fingers:?} over the wrist");
+        assert!(felt.iter().all(|felt| felt.kind == TouchKind::Press));
     }
 }
 
@@ -389,37 +347,22 @@ fn strokes_over_joints_of_max_are_one_sensation_each() {
         ..StageOptions::default()
     };
     let stage = Stage::new(&repository("mjcf/max/max.xml"), &options).expect("Max can be touched");
-    let on = |name: &str| -> Vec<usize> {
-        let limb = stage.agent().creature().limb(name).unwrap();
-        let receptors = &stage.skin().receptors;
-        (0..receptors.len()).filter(|&r| receptors[r].limb == limb).collect()
-    };
-    let arm = vec![["left_upper_arm", "left_forearm"], ["right_upper_arm", "right_forearm"]];
-    // From the back of the hand to a fingertip, on whichever finger a probe gets there between the others.
-    let fingers = ["thumb", "index", "middle", "ring", "little"].map(|name| format!("left_{name}_distal"));
-    let finger: Vec<[&str; 2]> = fingers.iter().map(|tip| ["left_hand", tip.as_str()]).collect();
-    for ways in [arm, finger] {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let done = ways.iter().find_map(|[from, to]| {
-            let (first, last) = (on(from), on(to));
-            let mut pairs = first.iter().flat_map(|&a| last.iter().map(move |&b| (a, b)));
-            let done = pairs.find_map(|(a, b)| Strokes::new(&stage).between(a, b, stage.time(), &mut rng))?;
-            Some((done, *from, *to))
-        });
-        let (done, from, to) = done.unwrap_or_else(|| panic!("no way for any of {ways:?}"));
+    for (joints, seed) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let done = Strokes::new(&stage).across(joints, stage.time(), &mut rng).expect("Max has room");
         let end = done.path.end();
         stage.send_probe(0, done.path).unwrap();
         let mut felt = Vec::new();
-        while stage.time() < end + 0.1 {
+        while stage.time() < end + 1.0 {
             felt.extend(stage.step().unwrap().touches.into_iter().filter_map(|event| match event {
                 TouchEvent::Sensed { sensation, .. } => Some(sensation),
                 TouchEvent::Began { .. } => None,
             }));
         }
-        let [felt] = &felt[..] else { panic!("from {from} to {to} are {} sensations", felt.len()) };
-        let limbs = |ends: [usize; 2]| ends.map(|limb| stage.agent().creature().limbs()[limb].clone());
+        let [felt] = &felt[..] else { panic!("{:?} are {} sensations", done.limbs, felt.len()) };
         assert_eq!(felt.kind, TouchKind::Stroke);
-        assert_eq!(limbs([felt.sides[0].limb, felt.sides[0].last_limb]), [from, to]);
+        let ends = [done.limbs[0], done.limbs[joints]];
+        assert_eq!([felt.sides[0].limb, felt.sides[0].last_limb], ends);
     }
 }
 

@@ -102,33 +102,6 @@ fn neighbours_go_across_joints_and_never_through_air_or_limbs() {
 }
 
 #[test]
-fn a_way_across_a_joint_is_as_long_as_the_skin_between_whatever_the_posture() {
-    let body = max("all");
-    let skin = skin_of(&body);
-    let frames = body.limb_frames(&body.reference_data().unwrap());
-    let map = SomatotopicMap::at_ease(&body, &skin).unwrap();
-    let mut measured = 0;
-    for [a, b] in map.pairs() {
-        let [one, other] = [a, b].map(|r| &skin.receptors[r]);
-        let ends = [one, other].map(|receptor| (receptor.limb, receptor.position));
-        let way = map.way_across(ends[0], ends[1]);
-        assert_eq!(way, map.way_across(ends[1], ends[0]));
-        assert_eq!(way.is_some(), one.limb != other.limb, "{} and {}", one.id, other.id);
-        if let Some(way) = way {
-            let straight =
-                (frames[one.limb].point(&one.position) - frames[other.limb].point(&other.position)).norm();
-            let size = [one, other].map(|r| r.half_extents[0].hypot(r.half_extents[1]));
-            assert!(
-                way >= 0.8 * straight - 0.01 && way < straight + size[0] + size[1],
-                "{way} for {straight}"
-            );
-            measured += 1;
-        }
-    }
-    assert!(measured > 100, "only {measured} pairs go across a joint");
-}
-
-#[test]
 fn what_touches_nothing_is_no_part_of_the_skin() {
     let text = fs::read_to_string(repository("mjcf/max/max.xml")).unwrap();
     let lines = text.lines().filter(|line| !line.contains("<geom class=\"aura\""));

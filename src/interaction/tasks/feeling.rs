@@ -77,7 +77,7 @@ impl FeltOn {
 
 impl Actor {
     /// Goes on feeling what it touches: draws back a little, tilts or shifts the limb, and touches again. In the end the
-    /// limb is a little off the thing. Where it does not touch what it found any more, or feels points by itself, nothing is
+    /// limb is a little off the thing. Where it does not touch what it found any more, nothing is
     /// done and the place is as it was.
     ///
     /// # Errors
@@ -87,9 +87,6 @@ impl Actor {
         let limb = self.own.skin().receptors[found.receptor].limb;
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(as_it_was) };
         let posture = self.posture();
-        if self.fine_touch {
-            return Ok(FeltOn { deviation: Some(0.0), ..as_it_was });
-        }
         if posture != found.posture {
             return Ok(as_it_was);
         }

@@ -260,8 +260,8 @@ impl<'a> DynamicMover<'a> {
             if fired.is_some_and(|fired| fired.met.depth() >= depth) || !feel {
                 continue;
             }
-            if let Reading::Touch(spots) = self.reader.read(self.body, self.skin, data, &contact) {
-                let (met, moment) = (Met::new(spots, depth), Moment { time: now, force });
+            if let Reading::Touch(places) = self.reader.read(self.body, self.skin, data, &contact) {
+                let (met, moment) = (Met::new(places, depth), Moment { time: now, force });
                 fired = Some(Fired { met, level, moment });
             }
         }

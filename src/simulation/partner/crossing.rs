@@ -7,15 +7,12 @@ use rand_chacha::ChaCha8Rng;
 
 use super::stimulation::{ABOVE, CLEAR, STEP, SkinPoint, Stimulation, Strokes, laid};
 use crate::senses::TouchKind;
-use crate::skin::Receptor;
 
 /// How long the way is on the first limb and on the last one at the least, metres: it begins on the one, and ends on the
 /// other.
 const ON_EITHER: f64 = 0.015;
 /// The farthest that a way goes, metres, and from end to end in a straight line.
 const FARTHEST: f64 = 0.5;
-/// Places that are tried on two given receptors.
-const PLACES: usize = 20;
 /// Ways that are tried.
 const WAYS: usize = 500;
 
@@ -31,21 +28,6 @@ impl Strokes<'_> {
             let way = self.towards(row, &from?, &to?)?;
             Some(laid(TouchKind::Stroke, &way, time, rng))
         })
-    }
-
-    /// A stroke from a random place of one receptor to one of another, over the limbs between them; none where no way
-    /// leads there.
-    pub fn between(&self, from: usize, to: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
-        let [one, other] = [from, to].map(|receptor| &self.skin.receptors[receptor]);
-        let row = (1..self.frames.len()).find_map(|length| {
-            let mut rows = self.rows(length).into_iter();
-            rows.find(|row| row[0] == one.limb && row[row.len() - 1] == other.limb)
-        })?;
-        let way = (0..PLACES).find_map(|_| {
-            let [from, to] = [one, other].map(|receptor| self.place_in(receptor, rng));
-            self.towards(&row, &from, &to)
-        })?;
-        Some(laid(TouchKind::Stroke, &way, time, rng))
     }
 
     /// All rows of so many limbs with skin, each joined to the next.
@@ -67,14 +49,10 @@ impl Strokes<'_> {
     /// A random point of a limb's skin, in the world.
     fn place_on(&self, limb: usize, rng: &mut ChaCha8Rng) -> Option<Vector3<f64>> {
         let on_limb: Vec<_> = self.skin.receptors.iter().filter(|receptor| receptor.limb == limb).collect();
-        Some(self.place_in(on_limb.choose(rng)?, rng))
-    }
-
-    /// A random point of a receptor's patch, in the world.
-    fn place_in(&self, receptor: &Receptor, rng: &mut ChaCha8Rng) -> Vector3<f64> {
+        let receptor = on_limb.choose(rng)?;
         let [a, b] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_l = receptor.position + receptor.tangent * a + receptor.bitangent() * b;
-        self.frames[receptor.limb].point(&p_l)
+        Some(self.frames[limb].point(&p_l))
     }
 
     /// A way over the skin of a row of limbs from a place on the first one towards a place on the last one, straight
@@ -102,6 +80,6 @@ impl Strokes<'_> {
         let ends = [&way[0], &way[way.len() - 1]];
         let free = ends.iter().all(|spot| self.is_free(&[spot.limb], spot, ABOVE, CLEAR))
             && way.iter().all(|spot| self.is_free(row, spot, ABOVE, CLEAR));
-        (limbs == row && long_enough && free).then_some(way)
+        (limbs == row && long_enough && free && self.is_felt(&way)).then_some(way)
     }
 }

@@ -25,6 +25,12 @@ const SPEED: [f64; 2] = [0.05, 0.4];
 /// How long a probe takes to come down to the skin, and to rise from it, seconds.
 const COMES: f64 = 0.25;
 const LEAVES: f64 = 0.2;
+/// Steps of a way in which the same receptors fire at its beginning, and at its end, at the least: on one patch nothing moves,
+/// as far as a skin feels, and by less a probe cuts a corner.
+const FELT: usize = 7;
+/// Steps of a way in one of which a receptor fires at the least: over wider bare skin what touches could as well have been
+/// lifted.
+const UNFELT: usize = 5;
 /// Places tried for one stimulation.
 pub(super) const TRIES: usize = 2000;
 
@@ -107,7 +113,8 @@ impl<'a> Strokes<'a> {
         })
     }
 
-    /// A random stimulation of a kind that begins on a receptor; none where there is no room.
+    /// A random stimulation of a kind that begins on a receptor, and where it moves ends on another. `None` if there is no
+    /// room.
     pub fn at(
         &self,
         kind: TouchKind,
@@ -129,7 +136,29 @@ impl<'a> Strokes<'a> {
         let angle = rng.random_range(0.0..TAU);
         let along = receptor.tangent * angle.cos() + receptor.bitangent() * angle.sin();
         let way = self.way(limb, &p_l, &along, length)?;
+        if length > 0.0 && !self.is_felt(&way) {
+            return None;
+        }
         Some(laid(kind, &way, time, rng))
+    }
+
+    /// Whether a skin can feel that a way moves: other receptors fire at its end than at its beginning, and there is
+    /// nowhere for long none that does.
+    pub(super) fn is_felt(&self, way: &[SkinPoint]) -> bool {
+        let felt: Vec<Vec<usize>> = way.iter().map(|spot| self.receptors_at(spot)).collect();
+        let lasts = |part: &[Vec<usize>]| !part[0].is_empty() && part.iter().all(|found| *found == part[0]);
+        let ends = felt.first_chunk::<FELT>().zip(felt.last_chunk::<FELT>());
+        ends.is_some_and(|(first, last)| lasts(first) && lasts(last) && first[0] != last[0])
+            && felt.windows(UNFELT).all(|part| part.iter().any(|found| !found.is_empty()))
+    }
+
+    /// The receptors whose `touch` sensors read what presses at a spot.
+    fn receptors_at(&self, spot: &SkinPoint) -> Vec<usize> {
+        let (frame, receptors) = (&self.frames[spot.limb], &self.skin.receptors);
+        let p_l = frame.inverse_point(&(spot.middle - spot.normal * PROBE_RADIUS));
+        let outward = frame.rotation.tr_mul(&spot.normal);
+        let reads = |r: &usize| receptors[*r].limb == spot.limb && receptors[*r].reads(&p_l, &outward);
+        (0..receptors.len()).filter(reads).collect()
     }
 
     /// A step on over the skin of some limbs; none over an edge or into a fold, where the way would jump.

@@ -221,13 +221,7 @@ impl StageCore {
             for (contact, force) in self.data.pressing().filter(|(_, force)| *force >= FAINT) {
                 let bodies = contact.geoms.map(|geom| self.body.model.geom_body(geom));
                 if let Some(k) = bodies.iter().position(|body| *body == carried.body) {
-                    let receptor = &self.agent.skin().receptors[grip.receptor];
-                    let spot = SkinSpot {
-                        limb: grip.limb,
-                        receptor: grip.receptor,
-                        point: receptor.position,
-                        sensor_force: None,
-                    };
+                    let spot = SkinSpot { limb: grip.limb, receptor: grip.receptor };
                     contacts.push(SkinContact { spot, by: Toucher::Through(bodies[1 - k]), force });
                 }
             }

@@ -9,7 +9,7 @@ mod linking;
 mod sampling;
 mod ways;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
 use nalgebra::Vector3;
 
@@ -43,19 +43,6 @@ impl Sheet {
     }
 }
 
-/// Where two patches meet, if they do, and how far apart their centres are.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Meeting {
-    /// Length of the shortest way along the skin between the centres, metres.
-    pub distance: f64,
-    /// Where the skins of two limbs meet, if they are on two.
-    pub crossings: Vec<Crossing>,
-}
-
-/// A place where the skin goes from one limb on to another: the same point in both limbs' frames, the earlier limb's
-/// first, metres.
-pub(super) type Crossing = [Vector3<f64>; 2];
-
 /// The graph of one posture.
 pub(super) struct SurfaceGraph<'a> {
     skin: &'a Skin,
@@ -79,20 +66,16 @@ impl<'a> SurfaceGraph<'a> {
         graph
     }
 
-    /// Per pair of receptors whose patches meet, the earlier one first, how far apart they are and where they meet.
-    pub fn meetings(&self) -> Vec<([usize; 2], Meeting)> {
-        let mut borders: BTreeMap<[usize; 2], Meeting> = Default::default();
+    /// Per pair of receptors whose patches meet, the earlier one first, how far apart their centres are along the skin,
+    /// metres.
+    pub fn meetings(&self) -> Vec<([usize; 2], f64)> {
+        let mut borders: BTreeSet<[usize; 2]> = BTreeSet::new();
         for (i, links) in self.links.iter().enumerate() {
             for &(j, _) in links {
-                let (from, to) = (&self.points[i], &self.points[j as usize]);
-                let (Some(a), Some(b)) = (from.receptor, to.receptor) else { continue };
-                if a < b {
-                    let meeting = borders.entry([a, b]).or_default();
-                    if from.limb != to.limb {
-                        let middle = 0.5 * (from.at + to.at);
-                        let limbs = [from.limb.min(to.limb), from.limb.max(to.limb)];
-                        meeting.crossings.push(limbs.map(|limb| self.frames[limb].inverse_point(&middle)));
-                    }
+                if let (Some(a), Some(b)) = (self.points[i].receptor, self.points[j as usize].receptor)
+                    && a < b
+                {
+                    borders.insert([a, b]);
                 }
             }
         }
@@ -105,7 +88,8 @@ impl<'a> SurfaceGraph<'a> {
                 }
             }
         }
-        let mut found: Vec<([usize; 2], Meeting)> = borders.into_iter().collect();
+        let mut found: Vec<([usize; 2], f64)> =
+            borders.into_iter().map(|pair| (pair, f64::INFINITY)).collect();
         let mut reached: HashMap<usize, f64> = HashMap::new();
         let mut k = 0;
         while k < found.len() {
@@ -113,8 +97,8 @@ impl<'a> SurfaceGraph<'a> {
             let until = found[k..].iter().take_while(|(pair, _)| pair[0] == from).count() + k;
             let targets: Vec<usize> = found[k..until].iter().map(|(pair, _)| centre[pair[1]]).collect();
             self.ways(centre[from], &targets, &mut reached);
-            for ((_, meeting), target) in found[k..until].iter_mut().zip(&targets) {
-                meeting.distance = reached.get(target).copied().unwrap_or(f64::INFINITY);
+            for ((_, distance), target) in found[k..until].iter_mut().zip(&targets) {
+                *distance = reached.get(target).copied().unwrap_or(f64::INFINITY);
             }
             k = until;
         }

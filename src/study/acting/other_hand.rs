@@ -54,24 +54,22 @@ pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, Error> 
         };
         let Some(put) = put else { continue };
         // Whether it is felt, and whether the other hand could truly reach it, is asked of the truth.
-        let felt = feel(scene, scene.truth, &put, false)?;
+        let felt = feel(scene, scene.truth, &put)?;
         if felt.is_some_and(|(actor, felt)| reachable(actor, &felt)) {
             drawn = Some(put);
             break;
         }
     }
     let Some(put) = drawn else { return Ok(Vec::new()) };
-    let [(learned, own), (true_body, truth)] = scene.schemas();
-    let conditions = [(learned, own, false), (true_body, truth, false), ("learned, feels points", own, true)];
-    let row = |(name, known, fine)| {
-        let mut row = match feel(scene, known, &put, fine)? {
+    let row = |(name, known)| {
+        let mut row = match feel(scene, known, &put)? {
             Some((actor, felt)) => attempt(actor, &felt)?,
             None => json!({"done": false, "first": false, "result": "not felt"}),
         };
         row["schema"] = json!(name);
         Ok(row)
     };
-    conditions.into_iter().map(row).collect()
+    scene.schemas().into_iter().map(row).collect()
 }
 
 /// Whether both hands of a creature at the table could be where a thing stands.
@@ -124,14 +122,9 @@ fn in_air(scene: &Scene, hand: usize, rng: &mut ChaCha8Rng) -> Result<Option<Pla
 }
 
 /// Lets the creature feel the thing. `None` if it does not, or feels more than it should.
-fn feel(
-    scene: &Scene,
-    known: &Knowledge,
-    put: &PlacedThing,
-    fine: bool,
-) -> Result<Option<(OnStage, FeltThing)>, Error> {
+fn feel(scene: &Scene, known: &Knowledge, put: &PlacedThing) -> Result<Option<(OnStage, FeltThing)>, Error> {
     let mut actor = scene.at_table(known, std::slice::from_ref(&put.thing))?;
-    (actor.fine_touch, actor.feels_on) = (fine, true);
+    actor.feels_on = true;
     let thing = actor.the_thing()?;
     let touched = actor.wait(0.01)?.iter().any(|contact| contact.by == Toucher::Thing(thing));
     if touched && put.posture.is_none() || !actor.finds_table() {
