@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::deadline::in_parallel;
-use crate::learning::annealing::quantile;
+use crate::learning::annealing::{AnnealingLimits, quantile};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
@@ -196,6 +196,12 @@ impl Growth {
 
     /// An answer in which the joints that most touches leave open were tried about other axes.
     fn mended(&mut self, problem: &PartProblem, mut best: Solved) -> Solved {
+        if best.share >= AS_GOOD_AS_ALL && best.exact <= ENOUGH {
+            let finer = self.finer(problem, best.schema.clone());
+            if finer.worth() > best.worth() {
+                best = finer;
+            }
+        }
         for round in 0..MENDS {
             let creature = self.agent.creature();
             if !(WORTH_MENDING..AS_GOOD_AS_ALL).contains(&best.share) || self.deadline.has_passed() {
@@ -391,6 +397,17 @@ impl Growth {
         }
         let nearly = self.without_open(problem, exactly.schema.clone(), NEARLY);
         if nearly.worth() > exactly.worth() { nearly } else { exactly }
+    }
+
+    /// An answer that nearly closes all, closed further. A joint that hardly turns is felt by gaps as narrow as these alone, and its
+    /// relaxed axis moves them as a linear function does: axes stay relaxed for as long as that closes anything.
+    fn finer(&self, problem: &PartProblem, schema: BodySchema) -> Solved {
+        let beliefs = problem.beliefs();
+        let limits = AnnealingLimits { narrowest: SHARP, deadline: self.deadline, exact: false };
+        let mut schema = self.closest_to(limits, &problem.touches, &problem.relaxed, &beliefs, schema);
+        schema.normalize_axes(self.agent.creature());
+        schema = self.closest(SHARP, &problem.touches, &problem.unit, &beliefs, schema);
+        self.without_open(problem, schema, CLOSED)
     }
 
     /// What is left of an answer without what stays open, a limb or a joint given up after the other: most of a part may be
