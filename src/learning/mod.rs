@@ -115,6 +115,11 @@ impl Learned {
         if self.verdict.converged() { self.undetermined().len() } else { usize::MAX }
     }
 
+    /// The same of joints and limbs.
+    pub(crate) fn open_members(&self) -> usize {
+        self.open_joints().saturating_add(self.undetermined_limbs().len())
+    }
+
     /// How sure the schema is: as sure as the touches make it where it stands up to fresh ones, unknown elsewhere.
     pub fn certainty(&self) -> Certainty {
         self.reliable_account()

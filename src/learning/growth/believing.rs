@@ -234,6 +234,16 @@ impl Growth {
         self.place();
     }
 
+    /// Takes back joints and limbs that do not stand.
+    pub(super) fn take_back_all(&mut self, wrong: &[Member]) {
+        wrong.iter().for_each(|&member| self.take_back(member));
+        if self.used().next().is_none() {
+            self.belief = None;
+        }
+        self.fit();
+        self.place();
+    }
+
     /// Takes back a joint or a limb, and what nothing tells of without it.
     fn take_back(&mut self, wrong: Member) {
         for touch in self.touches.iter_mut().filter(|touch| touch.told.tells_of(wrong)) {

@@ -7,13 +7,15 @@ use super::Growth;
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
-use crate::learning::scrutiny::{ToldTouch, moves};
+use crate::learning::scrutiny::{Member, ToldTouch, moves};
 use crate::learning::{AxisModel, Input, Learned, Learner, Online, Parameters, SecondOrder, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
 /// Times that a body is learned at once: an answer that explains touches and places nothing is no answer.
 const ATTEMPTS: u64 = 5;
+/// Times that what was learned and does not stand is looked for anew.
+const SECOND_LOOKS: usize = 3;
 /// Touches in which all joints move, from which a body is learned at once, at the least.
 const FEWEST_AT_LARGE: usize = 100;
 
@@ -134,14 +136,15 @@ impl Grower {
                           touches (--touches) or another seed (--seed)";
             return Learned { verdict: Verdict::Failed(reason.to_string()), account: None, ..learned };
         }
-        let concluded = self.conclude_by(&learned.schema, told);
+        let (concluded, _) = self.conclude_by(&learned.schema, told);
         Learned { initial_guesses: learned.initial_guesses, ..concluded }
     }
 
     /// The last fit, to all touches that what is known should explain, and what they determine.
     ///
-    /// What leaves gaps open after it is not told of: a wrong axis of a joint that turns little closes its touches nearly.
-    fn conclude(&self, schema: &BodySchema) -> Learned {
+    /// What leaves gaps open after it is not told of: a wrong axis of a joint that turns little closes its touches nearly. With it,
+    /// what does not stand.
+    fn conclude(&self, schema: &BodySchema) -> (Learned, Vec<Member>) {
         let told = (0..self.touches.len())
             .filter(|&number| {
                 // Those that contradict what is known as well: the account is to hear of them.
@@ -157,7 +160,7 @@ impl Grower {
     }
 
     /// The same by some touches, of their numbers.
-    fn conclude_by(&self, schema: &BodySchema, told: Vec<usize>) -> Learned {
+    fn conclude_by(&self, schema: &BodySchema, told: Vec<usize>) -> (Learned, Vec<Member>) {
         let fit = |schema: &BodySchema, told: &[usize]| {
             let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
@@ -165,9 +168,28 @@ impl Grower {
         };
         let touches: Vec<&ToldTouch> = self.growth.touches().iter().map(|touch| &touch.told).collect();
         let learned = fit(schema, &told);
-        let mut learned = self.growth.scrutiny().standing(&touches, told, learned, fit);
-        learned.initial_guesses = self.growth.starts();
-        learned
+        let (learned, fallen) = self.growth.scrutiny().standing(&touches, told, learned, fit);
+        (Learned { initial_guesses: self.growth.starts(), ..learned }, fallen)
+    }
+
+    /// What has grown, as far as it stands. What does not was learned of the first touches that told of it: it is looked for anew,
+    /// from all of them.
+    fn concluded(&mut self) -> Option<Learned> {
+        let (mut best, mut fallen) = self.conclude(self.growth.schema()?);
+        for _ in 0..SECOND_LOOKS {
+            if fallen.is_empty() || self.growth.deadline.has_passed() {
+                break;
+            }
+            self.growth.take_back_all(&fallen);
+            self.growth.grow_all();
+            let Some(schema) = self.growth.schema() else { break };
+            let (next, still) = self.conclude(schema);
+            fallen = still;
+            if next.open_members() < best.open_members() {
+                best = next;
+            }
+        }
+        Some(best)
     }
 }
 
@@ -185,8 +207,7 @@ impl Learner for Grower {
 
     fn learn(&mut self) -> Learned {
         self.growth.grow_all();
-        let grown = self.growth.schema().map(|schema| self.conclude(schema));
-        match grown {
+        match self.concluded() {
             Some(grown) if grown.verdict.converged() && self.suffices(&grown) => grown,
             grown => {
                 let at_once = self.learn_at_once();

@@ -508,7 +508,7 @@ impl Online {
         };
         let (initial_guesses, fresh_rms) = (learned.initial_guesses, learned.fresh_rms);
         let scrutiny = Scrutiny::new(&self.agent, Input::Receptor, &self.known).with_false_touches();
-        let standing = scrutiny.standing(&touches, claimed, learned, fit);
+        let (standing, _) = scrutiny.standing(&touches, claimed, learned, fit);
         Learned { initial_guesses, fresh_rms, ..standing }
     }
 }

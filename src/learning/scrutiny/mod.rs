@@ -143,15 +143,15 @@ impl<'a> Scrutiny<'a> {
 
     /// What was learned from touches, as far as it stands: whatever does not, no touch tells of, and `fit` fits the others, of
     /// their numbers, from a schema that is nearly right. `learned` is such a fit to those that are `told` at first. The verdict is
-    /// that of its account.
+    /// that of its account. With it, what does not stand.
     pub fn standing(
         &self,
         touches: &[&ToldTouch],
         mut told: Vec<usize>,
         mut learned: Learned,
         fit: impl Fn(&BodySchema, &[usize]) -> Learned,
-    ) -> Learned {
-        let mut images = 0;
+    ) -> (Learned, Vec<Member>) {
+        let (mut images, mut fallen) = (0, Vec::new());
         loop {
             let of: Vec<&ToldTouch> = told.iter().map(|&number| touches[number]).collect();
             let deviation = learned.deviation.unwrap_or(0.0);
@@ -159,7 +159,7 @@ impl<'a> Scrutiny<'a> {
                 if let Some(account) = &learned.account {
                     learned.verdict = account.verdict(self.agent.creature());
                 }
-                return learned;
+                return (learned, fallen);
             };
             let schema = match doubt {
                 Doubt::Better(other) => {
@@ -167,6 +167,7 @@ impl<'a> Scrutiny<'a> {
                     other
                 }
                 Doubt::Of(wrong) => {
+                    fallen.push(wrong);
                     told.retain(|&number| !touches[number].tells_of(wrong));
                     learned.schema
                 }
