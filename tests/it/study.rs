@@ -283,7 +283,7 @@ mod slow {
         let session = crate::common::sessions::max().join("max");
         let arguments = ["study", "acting", max.to_str().unwrap(), "--session", session.to_str().unwrap()];
         let found =
-            json(place.path(), &[&arguments[..], &["--trials", "1", "--seed", "9101", "--json"]].concat());
+            json(place.path(), &[&arguments[..], &["--trials", "2", "--seed", "9101", "--json"]].concat());
         let summary = found["summary"].as_array().unwrap();
         let tasks: Vec<&str> = summary.iter().map(|row| row["task"].as_str().unwrap()).collect();
         for task in [
