@@ -142,8 +142,8 @@ impl Grower {
 
     /// The last fit, to all touches that what is known should explain, and what they determine.
     ///
-    /// What leaves gaps open after it is not told of: a wrong axis of a joint that turns little closes its touches nearly. With it,
-    /// what does not stand.
+    /// What leaves gaps open after it is not located: a wrong axis of a joint that turns little closes its touches nearly. Returned
+    /// with it are the joints and limbs that do not stand.
     fn conclude(&self, schema: &BodySchema) -> (Learned, Vec<Member>) {
         let told = (0..self.touches.len())
             .filter(|&number| {
@@ -172,7 +172,7 @@ impl Grower {
         (Learned { initial_guesses: self.growth.starts(), ..learned }, fallen)
     }
 
-    /// What has grown, as far as it stands. What does not was learned of the first touches that told of it: it is looked for anew,
+    /// What has grown, as far as it stands. What does not stand was learned from its first touches alone: it is looked for anew,
     /// from all of them.
     fn concluded(&mut self) -> Option<Learned> {
         let (mut best, mut fallen) = self.conclude(self.growth.schema()?);

@@ -143,7 +143,7 @@ impl<'a> Scrutiny<'a> {
 
     /// What was learned from touches, as far as it stands: whatever does not, no touch tells of, and `fit` fits the others, of
     /// their numbers, from a schema that is nearly right. `learned` is such a fit to those that are `told` at first. The verdict is
-    /// that of its account. With it, what does not stand.
+    /// that of its account. Returned with it are the joints and limbs that do not stand.
     pub fn standing(
         &self,
         touches: &[&ToldTouch],
