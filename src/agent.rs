@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
 use crate::creature::{Body, Creature};
 use crate::error::Error;
 use crate::plausible;
@@ -10,10 +12,19 @@ use crate::skin::{Receptor, Skin, skin_of};
 
 /// A creature and its skin, which fit each other: everything that an agent is given, and nothing of where its
 /// joints are. Cheap to clone.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Agent {
     creature: Arc<Creature>,
     skin: Arc<Skin>,
+}
+
+impl Serialize for Agent {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut parts = serializer.serialize_struct("Agent", 2)?;
+        parts.serialize_field("creature", self.creature())?;
+        parts.serialize_field("skin", self.skin())?;
+        parts.end()
+    }
 }
 
 impl Agent {

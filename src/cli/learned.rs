@@ -93,11 +93,11 @@ fn to_json(
         "joints": session.agent.creature().joints().len(),
         "dof": session.agent.creature().dof(),
         "touches": touches.len(),
-        "motions": session.effort.map(|effort| effort.motions),
+        "motions": session.effort.map(|effort| effort.of_motions.motions),
         "limb_pairs": limb_pairs(session.agent.skin(), touches).len(),
         "babbling_s": session.effort.map(|effort| effort.babbling_s),
         "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
-        "simulated_s": session.effort.and_then(|effort| effort.simulated_s),
+        "simulated_s": session.effort.and_then(|effort| effort.simulated_s()),
         "depth_mm": summary(depth_mm(touches)),
         "learning_s": result.record.seconds,
         "ended_by": { "babbling": session.effort.and_then(|effort| effort.ended_by), "learning": result.ended_by },
@@ -143,7 +143,7 @@ fn print_table(
         plural(limb_pairs(session.agent.skin(), touches).len(), "pair of limbs")
     );
     if let Some(depth) = depth_mm(touches) {
-        let simulated = session.effort.and_then(|effort| effort.simulated_s);
+        let simulated = session.effort.and_then(|effort| effort.simulated_s());
         say!(
             "moved by servos{}: limbs {} mm deep in each other on the median, {} mm at 95 %",
             simulated.map_or(String::new(), |seconds| format!(" for {seconds:.0} simulated seconds")),

@@ -29,14 +29,14 @@ pub fn run(prepared: &Prepared, args: &BabbleArguments, share: Share, folder: &P
         }
     };
     if let Some(effort) = session.effort.filter(|effort| effort.touches == Some(0)) {
-        tell!("nothing was touched in {} motions of this share", effort.motions);
+        tell!("nothing was touched in {} motions of this share", effort.of_motions.motions);
     }
     let touches = session.effort.and_then(|effort| effort.touches).unwrap_or_default();
     if args.json {
         return output::json(&json!({
             "share": share.to_string(),
             "touches": touches,
-            "motions": session.effort.map(|effort| effort.motions),
+            "motions": session.effort.map(|effort| effort.of_motions.motions),
             "babbling_s": session.effort.map(|effort| effort.babbling_s),
             "folder": place,
         }));

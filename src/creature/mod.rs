@@ -137,7 +137,7 @@ pub struct AuraLimb {
 /// A creature as its agent knows it.
 ///
 /// Limb 0 is the root; joint i carries limb i + 1, and every limb comes after its parent.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct Creature {
     parts: Parts,
@@ -145,7 +145,7 @@ pub struct Creature {
     elements: usize,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Parts {
     name: String,
     limbs: Vec<String>,

@@ -240,6 +240,10 @@ impl<'a> BabblingSession<'a> {
         });
         let began = Instant::now();
         let mut kept = began;
+        let cost = |of_motions: Effort| {
+            let babbling_s = (spent + began.elapsed()).as_secs_f64();
+            BabblingEffort { of_motions, babbling_s, ..BabblingEffort::default() }
+        };
         let (babbled, tally) = apart(|| {
             make(&babbler, done, &mut |news| {
                 match news {
@@ -250,7 +254,8 @@ impl<'a> BabblingSession<'a> {
                     }
                     // Bouts can be shorter than it takes to write this down.
                     Made::Bout(done, _) if kept.elapsed() >= KEPT_EVERY => {
-                        BabblingProgress::new(&done, spent + began.elapsed()).write(&folder)?;
+                        let BoutsDone { bouts, touches, effort } = done;
+                        BabblingProgress { bouts, touches, effort: cost(effort) }.write(&folder)?;
                         kept = Instant::now();
                     }
                     Made::Bout(..) => {}
@@ -268,11 +273,7 @@ impl<'a> BabblingSession<'a> {
         observer.phase(Phase::Done);
         let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
         let ended_by = tally.ended.then(|| setup.deadline.limit());
-        session.effort = Some(BabblingEffort {
-            touches,
-            ended_by,
-            ..BabblingEffort::new(&effort, spent + began.elapsed())
-        });
+        session.effort = Some(BabblingEffort { touches, ended_by, ..cost(effort) });
         log.finish()?;
         session.write(&folder)?;
         BabblingProgress::remove(&folder);

@@ -12,53 +12,13 @@ use crate::simulation::Effort;
 
 /// A line of [`BOUTS_FILE`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct BoutLine {
     /// The bout's number in its session, from 0 on.
     pub bout: u64,
     /// Touches made in it.
     pub touches: usize,
-    /// Motions begun.
-    pub motions: u64,
-    /// Postures whose contacts the engine was asked for.
-    pub engine_checks: u64,
-    /// Contacts on bare geometry, left out.
-    pub bare: u64,
-    /// Contacts between neighbouring limbs, left out.
-    pub neighbours: u64,
-    /// Instant re-contacts, left out.
-    pub again: u64,
-    /// Time that passed in the simulation, seconds.
-    pub simulated_s: f64,
-}
-
-impl BoutLine {
-    /// A bout and what it cost.
-    pub fn new(bout: u64, touches: usize, effort: &Effort) -> BoutLine {
-        BoutLine {
-            bout,
-            touches,
-            motions: effort.motions,
-            engine_checks: effort.engine_checks,
-            bare: effort.bare,
-            neighbours: effort.neighbours,
-            again: effort.again,
-            simulated_s: effort.simulated_s,
-        }
-    }
-
-    /// What it cost; how often gaps were looked at is not kept.
-    pub fn effort(&self) -> Effort {
-        Effort {
-            motions: self.motions,
-            engine_checks: self.engine_checks,
-            gap_checks: 0,
-            bare: self.bare,
-            neighbours: self.neighbours,
-            again: self.again,
-            simulated_s: self.simulated_s,
-        }
-    }
+    /// What its motions cost; how often gaps were looked at is not kept.
+    pub effort: Effort,
 }
 
 /// Writes [`BOUTS_FILE`], a line a bout, each in one piece once all touches of the bout are in their log.
@@ -146,7 +106,7 @@ mod tests {
     fn bouts_are_gone_on_with_after_the_last_whole_line() {
         let place = tempfile::tempdir().unwrap();
         let effort = Effort { motions: 9, bare: 2, simulated_s: 0.1 + 0.2, ..Effort::default() };
-        let bouts = [0, 3, 6].map(|bout| BoutLine::new(bout, 25, &effort));
+        let bouts = [0, 3, 6].map(|bout| BoutLine { bout, touches: 25, effort });
         assert_eq!(read_bouts(place.path()).unwrap(), []);
         let mut log = BoutLog::go_on(place.path(), &bouts[..1]).unwrap();
         log.write(&bouts[1]).unwrap();

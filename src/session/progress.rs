@@ -1,7 +1,6 @@
 //! How far babbling has come, for a session that is interrupted.
 
 use std::path::Path;
-use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -24,15 +23,9 @@ pub struct BabblingProgress {
 }
 
 impl BabblingProgress {
-    /// The progress of bouts that took `babbling` in all.
-    pub fn new(done: &BoutsDone, babbling: Duration) -> BabblingProgress {
-        let effort = BabblingEffort::new(&done.effort, babbling);
-        BabblingProgress { bouts: done.bouts, touches: done.touches, effort }
-    }
-
     /// The bouts done; how often gaps were looked at is not kept.
     pub fn done(&self) -> BoutsDone {
-        BoutsDone { bouts: self.bouts, touches: self.touches, effort: self.effort.effort() }
+        BoutsDone { bouts: self.bouts, touches: self.touches, effort: self.effort.of_motions }
     }
 
     /// Writes [`PROGRESS_FILE`] into `folder`, whole or not at all.

@@ -1,7 +1,6 @@
 //! How a session came about: everything needed to repeat it or to read its touches.
 
 use std::path::Path;
-use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -20,91 +19,49 @@ const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
 /// A session: who babbled, in which model, how, and what it cost.
 ///
 /// In the file, the format's name and version come before these fields.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(expecting = "an object")]
 pub struct Session {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
     pub program: String,
     /// The version of MuJoCo that simulated it; empty where it was recorded and not simulated.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub engine: String,
     /// The model's path as it was given; empty where there is none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model: String,
     /// The model's content: `model_hash`; empty where there is none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model_hash: String,
     /// The files it was made of, where it was recorded and not simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingFiles>,
     /// The command line that made it, word by word; empty where it was not kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub command: Vec<String>,
-    /// The computer it was made on; none where it was not kept.
+    /// The computer it was made on; `None` if it was not kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub host: Option<Host>,
     /// Seed of all random streams.
     pub seed: u64,
     /// What was asked for.
     pub options: SessionOptions,
-    /// What babbling cost; none until it is done.
+    /// What babbling cost; `None` until it is done.
+    // There as a null at least: what is misspelt would be none in silence.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub effort: Option<BabblingEffort>,
     /// The creature that babbled, and its skin.
+    // Read apart, as `AgentFile`: within the other fields an error would lose its line.
+    #[serde(flatten, skip_deserializing)]
     pub agent: Agent,
 }
 
-/// A session as its file has it.
-#[derive(Deserialize, Serialize)]
+/// The agent of a session, as its file has it.
+#[derive(Deserialize)]
 #[serde(expecting = "an object")]
-struct SessionFile {
-    program: String,
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    engine: String,
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    model: String,
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    model_hash: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    recording: Option<RecordingFiles>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    command: Vec<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    host: Option<Host>,
-    seed: u64,
-    options: SessionOptions,
-    // There as a null at least: what is misspelt would be none in silence.
-    #[serde(deserialize_with = "Option::deserialize")]
-    effort: Option<BabblingEffort>,
+struct AgentFile {
     creature: Creature,
     skin: Skin,
-}
-
-/// One of the two of the fields that both have, and of the ones that it has alone.
-macro_rules! of_both {
-    ($from:ident, $to:ident { $($own:ident),+ }) => {
-        $to {
-            program: $from.program,
-            engine: $from.engine,
-            model: $from.model,
-            model_hash: $from.model_hash,
-            recording: $from.recording,
-            command: $from.command,
-            host: $from.host,
-            seed: $from.seed,
-            options: $from.options,
-            effort: $from.effort,
-            $($own),+
-        }
-    };
-}
-
-impl From<Session> for SessionFile {
-    fn from(session: Session) -> SessionFile {
-        let (creature, skin) = (session.agent.creature().clone(), session.agent.skin().clone());
-        of_both!(session, SessionFile { creature, skin })
-    }
-}
-
-impl TryFrom<SessionFile> for Session {
-    type Error = Error;
-
-    fn try_from(file: SessionFile) -> Result<Session, Error> {
-        let agent = Agent::new(file.creature, file.skin)?;
-        Ok(of_both!(file, Session { agent }))
-    }
 }
 
 /// The files of a recording, by their paths as they were given.
@@ -150,60 +107,27 @@ pub struct SessionOptions {
     pub asked: Value,
 }
 
-/// What babbling cost: [`Effort`], and its time.
+/// What babbling cost: its motions, and its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct BabblingEffort {
-    /// Motions begun.
-    pub motions: u64,
+    /// What its motions cost.
+    #[serde(flatten)]
+    pub of_motions: Effort,
     /// Touches made, where a policy knew all before it had made as many as were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub touches: Option<usize>,
-    /// What ended it where there was more to be touched; none where nothing did.
+    /// What ended it where there was more to be touched; `None` if nothing did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended_by: Option<Limit>,
-    /// Postures whose contacts the engine was asked for.
-    pub engine_checks: u64,
-    /// Contacts on bare geometry, left out.
-    pub bare: u64,
-    /// Contacts between neighbouring limbs, left out.
-    pub neighbours: u64,
-    /// Instant re-contacts, left out.
-    pub again: u64,
     /// Time that passed, seconds.
     pub babbling_s: f64,
-    /// Time that passed in the simulation, seconds; none where no forces were at work.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub simulated_s: Option<f64>,
 }
 
 impl BabblingEffort {
-    /// The effort of motions that took `babbling` in all.
-    pub fn new(effort: &Effort, babbling: Duration) -> BabblingEffort {
-        BabblingEffort {
-            motions: effort.motions,
-            touches: None,
-            ended_by: None,
-            engine_checks: effort.engine_checks,
-            bare: effort.bare,
-            neighbours: effort.neighbours,
-            again: effort.again,
-            babbling_s: babbling.as_secs_f64(),
-            simulated_s: Some(effort.simulated_s).filter(|simulated| *simulated > 0.0),
-        }
-    }
-
-    /// The effort without its time; how often gaps were looked at is not kept.
-    pub fn effort(&self) -> Effort {
-        Effort {
-            motions: self.motions,
-            engine_checks: self.engine_checks,
-            gap_checks: 0,
-            bare: self.bare,
-            neighbours: self.neighbours,
-            again: self.again,
-            simulated_s: self.simulated_s.unwrap_or_default(),
-        }
+    /// Time that passed in the simulation, seconds; `None` if no forces were at work.
+    pub fn simulated_s(&self) -> Option<f64> {
+        Some(self.of_motions.simulated_s).filter(|seconds| *seconds > 0.0)
     }
 }
 
@@ -215,7 +139,7 @@ impl Session {
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let path = folder.join(SESSION_FILE);
         files::make_folder(folder)?;
-        STAMP.write(&path, &SessionFile::from(self.clone()))
+        STAMP.write(&path, self)
     }
 
     /// Reads [`SESSION_FILE`] of `folder`.
@@ -225,11 +149,14 @@ impl Session {
     /// where it is no session, one of a newer version, or one whose skin does not fit its creature.
     pub fn read(folder: &Path) -> Result<Session, Error> {
         let path = folder.join(SESSION_FILE);
-        let session: SessionFile =
-            STAMP.read(&path, "session").map_err(|error| match mistaken::is_missing(&error) {
-                true => Error::content(folder, None, mistaken::for_session(folder)),
-                false => error,
-            })?;
-        Session::try_from(session).map_err(|error| Error::content(&path, None, error.to_string()))
+        let json = files::read(&path).map_err(|error| match mistaken::is_missing(&error) {
+            true => Error::content(folder, None, mistaken::for_session(folder)),
+            false => error,
+        })?;
+        let mut session: Session = STAMP.content(&path, "session", &json)?;
+        let AgentFile { creature, skin } = STAMP.content(&path, "session", &json)?;
+        let agent = Agent::new(creature, skin);
+        session.agent = agent.map_err(|error| Error::content(&path, None, error.to_string()))?;
+        Ok(session)
     }
 }

@@ -53,9 +53,16 @@ impl Stamp {
     /// # Errors
     /// If it cannot be read, or if it has another stamp or content.
     pub fn read<T: DeserializeOwned>(self, path: &Path, what: &str) -> Result<T, Error> {
-        let json = files::read(path)?;
-        self.check(path, None, &json)?;
-        serde_json::from_slice(&json).map_err(|error| Error::json(path, what, &error))
+        self.content(path, what, &files::read(path)?)
+    }
+
+    /// The content behind the stamp in the `json` of a file.
+    ///
+    /// # Errors
+    /// If it has another stamp or content.
+    pub fn content<T: DeserializeOwned>(self, path: &Path, what: &str, json: &[u8]) -> Result<T, Error> {
+        self.check(path, None, json)?;
+        serde_json::from_slice(json).map_err(|error| Error::json(path, what, &error))
     }
 
     /// Checks that `json` carries the stamp; an error names `line`, or else the parser's line.

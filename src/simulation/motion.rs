@@ -75,13 +75,14 @@ pub enum Ending {
 }
 
 /// What motions cost and left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Effort {
     /// Motions begun.
     pub motions: u64,
     /// Postures whose contacts the engine was asked for.
     pub engine_checks: u64,
-    /// Pairs of limbs whose gap was looked at.
+    /// Pairs of limbs whose gap was looked at; not kept in files.
+    #[serde(skip)]
     pub gap_checks: u64,
     /// Contacts on bare geometry, left out.
     pub bare: u64,
@@ -90,6 +91,7 @@ pub struct Effort {
     /// Instant re-contacts, left out.
     pub again: u64,
     /// Time that the motions took in the simulation, seconds; 0 where no forces were at work.
+    #[serde(default)]
     pub simulated_s: f64,
 }
 

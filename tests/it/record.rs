@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use bodyschema::Error;
 use bodyschema::agent::Agent;
@@ -541,7 +540,11 @@ fn session() -> Session {
             share: Some("3/16".into()),
             asked: serde_json::json!({"touches": 40, "joint_noise": 0.1}),
         },
-        effort: Some(BabblingEffort::new(&effort, Duration::from_nanos(1_234_567_891))),
+        effort: Some(BabblingEffort {
+            of_motions: effort,
+            babbling_s: 1.234_567_891,
+            ..BabblingEffort::default()
+        }),
         agent: agent(),
     }
 }

@@ -79,7 +79,7 @@ impl<'a> BabblingShare<'a> {
             deadline: setup.deadline,
         });
         let mut from = BoutsDone { bouts: bouts.len() as u64, touches: made, ..BoutsDone::default() };
-        bouts.iter().for_each(|bout| from.effort += bout.effort());
+        bouts.iter().for_each(|bout| from.effort += bout.effort);
         let mut bout_log = BoutLog::go_on(&folder, &bouts)?;
         let (began, mut touches, mut own) = (Instant::now(), 0, from.bouts);
         let done = babbler.babble_share(share, from, &setup.babbling, |news| {
@@ -90,7 +90,7 @@ impl<'a> BabblingShare<'a> {
                     touches += 1;
                 }
                 Made::Bout(_, effort) => {
-                    bout_log.write(&BoutLine::new(share.piece(own), touches, &effort))?;
+                    bout_log.write(&BoutLine { bout: share.piece(own), touches, effort })?;
                     (own, touches) = (own + 1, 0);
                 }
                 Made::Grown(_) => {}
@@ -102,8 +102,12 @@ impl<'a> BabblingShare<'a> {
         log.finish()?;
         bout_log.finish()?;
         // What a process that was killed before had needed is not known any more.
-        let effort = BabblingEffort::new(&done.effort, began.elapsed());
-        session.effort = Some(BabblingEffort { touches: Some(done.touches), ..effort });
+        session.effort = Some(BabblingEffort {
+            of_motions: done.effort,
+            touches: Some(done.touches),
+            ended_by: None,
+            babbling_s: began.elapsed().as_secs_f64(),
+        });
         session.write(&folder)?;
         Ok(session)
     }

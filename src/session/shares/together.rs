@@ -84,7 +84,7 @@ fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<Vec<Option<R
         let of_bout =
             std::iter::from_fn(|| touches.next_if(|touch| touch.bout == line.bout)).collect::<Vec<_>>();
         (of_bout.len() == line.touches)
-            .then(|| Some(RecordedBout { touches: of_bout, effort: line.effort() }))
+            .then(|| Some(RecordedBout { touches: of_bout, effort: line.effort }))
             .ok_or(line.bout)
     });
     let recorded: Result<Vec<_>, u64> = recorded.collect();

@@ -113,12 +113,12 @@ fn facts(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, St
         fact("operating system", os.clone());
     }
     if let Some(effort) = &session.effort {
-        fact("motions", effort.motions.to_string());
+        fact("motions", effort.of_motions.motions.to_string());
         fact("babbling", format!("{:.2} s", effort.babbling_s));
         if let Some(limit) = effort.ended_by {
             fact("babbling ended", limit.to_string());
         }
-        if let Some(seconds) = effort.simulated_s {
+        if let Some(seconds) = effort.simulated_s() {
             fact("simulated", format!("{seconds:.0} s"));
         }
     }

@@ -286,7 +286,7 @@ impl Yard {
                 )
             }),
         );
-        let bouts = [0, 3, 6].map(|bout| BoutLine::new(bout, 25, &effort.effort()));
+        let bouts = [0, 3, 6].map(|bout| BoutLine { bout, touches: 25, effort: effort.of_motions });
         BoutLog::go_on(&folder, &bouts).unwrap().finish().unwrap();
         let good = fs::read(folder.join("bouts.csv")).unwrap();
         add("bouts", "bouts.csv", &good, 2, Box::new(|path| taken(read_bouts(within(path)))));
