@@ -4,9 +4,7 @@ use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 
-use bodyschema::{
-    BabbledSession, LearningOptions, Provenance, RecordedSession, RecordingSource, learn_session,
-};
+use bodyschema::{BabbledSession, LearningOptions, learn_session};
 
 const ARM: &str = r#"{"name": "arm", "limbs": ["base", "forearm"], "joints": [{"name": "elbow", "parent": "base",
   "dofs": [{"name": "elbow_pitch", "kind": "hinge", "range": [-1.5, 1.5]}]}]}"#;
@@ -14,17 +12,15 @@ const ARM: &str = r#"{"name": "arm", "limbs": ["base", "forearm"], "joints": [{"
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::temp_dir().join(format!("bodyschema-recording-{}", std::process::id()));
     fs::create_dir_all(&folder)?;
-    let source = RecordingSource { creature: folder.join("arm.json"), log: folder.join("touches.csv") };
-    fs::write(&source.creature, ARM)?;
-    fs::write(&source.log, touches())?;
+    let (creature, log) = (folder.join("arm.json"), folder.join("touches.csv"));
+    fs::write(&creature, ARM)?;
+    fs::write(&log, touches())?;
 
     let options = LearningOptions::default();
-    let recorded = RecordedSession::read(&source, usize::MAX, None, &options, Provenance::default(), &())?;
+    let recorded = BabbledSession::of_recording((&creature, &log), usize::MAX, None, &options, vec![], &())?;
     let options = options.for_session(&recorded.session)?;
     recorded.write(&folder)?;
-    let RecordedSession { session, touches } = recorded;
-    let session = BabbledSession { session, touches, grown: None };
-    let learned = learn_session(&folder, &session, &options, None, &[], &())?;
+    let learned = learn_session(&folder, &recorded, &options, None, &[], &())?;
     println!("{}", learned.record.verdict);
     println!("elbow: {:.4?} m", learned.learned.schema.positions[0].as_slice());
     println!("axis: {:.4?}", learned.learned.schema.axes[0].as_slice());

@@ -42,8 +42,7 @@ pub use mujoco::Model;
 // Sessions on disk, and recordings of a real body.
 pub use session::{
     BabbledSession, BabblingSession, DisturbanceLevels, FolderLock, LearnedSession, LearningRecord, Observer,
-    Phase, Provenance, RecordedSession, RecordingSource, Session, SessionSetup, learn_session, own_body,
-    read_schema, read_touches,
+    Phase, Provenance, Session, SessionSetup, learn_session, own_body, read_schema, read_touches,
 };
 
 // Acting by what was learned.

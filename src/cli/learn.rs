@@ -11,8 +11,7 @@ use super::{Failure, Outcome, output};
 use crate::learning::{Input, Learner, LimbFrames};
 use crate::senses::RecordedTouch;
 use crate::session::{
-    BabbledSession, FolderLock, LearningOptions, Provenance, ReadLock, RecordedSession, RecordingSource,
-    Session, TOUCHES_FILE, read_touches,
+    BabbledSession, FolderLock, LearningOptions, ReadLock, Session, TOUCHES_FILE, read_touches,
 };
 
 /// Learn again from the touches of a session, or from a recording of a real body.
@@ -84,10 +83,7 @@ pub fn run(args: &LearnArguments) -> Outcome {
     let Learnable { lock, made, session, touches, learning } =
         match (&args.session, &args.creature, &args.log) {
             (Some(folder), ..) => from_session(args, folder)?,
-            (None, Some(creature), Some(log)) => {
-                let source = RecordingSource { creature: creature.clone(), log: log.clone() };
-                from_recording(args, &source)?
-            }
+            (None, Some(creature), Some(log)) => from_recording(args, creature, log)?,
             // The parser sees to it that there is one or the other.
             _ => return Err("give a session's folder, or --creature and --log".into()),
         };
@@ -127,7 +123,7 @@ struct Learnable {
     /// Of the folder that what is learned goes to.
     lock: FolderLock,
     /// The session that is new in it; none where it is there.
-    made: Option<RecordedSession>,
+    made: Option<BabbledSession>,
     session: Session,
     touches: Vec<RecordedTouch>,
     learning: LearningOptions,
@@ -146,7 +142,7 @@ fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failu
         Some(lock) => (lock, None),
         None => {
             let lock = session_folder(args.out.as_deref(), session.agent.creature().name(), args.force)?;
-            (lock, Some(RecordedSession { session: session.clone(), touches: touches.clone() }))
+            (lock, Some(BabbledSession { session: session.clone(), touches: touches.clone(), grown: None }))
         }
     };
     touches.truncate(most(args));
@@ -155,15 +151,15 @@ fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failu
 }
 
 /// Makes a session of a recording.
-fn from_recording(args: &LearnArguments, source: &RecordingSource) -> Result<Learnable, Failure> {
-    let provenance = Provenance { command: output::command_line(), ..Provenance::default() };
-    let asked = args.learning.bare(None);
+fn from_recording(args: &LearnArguments, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
+    let (asked, command) = (args.learning.bare(None), output::command_line());
+    let of = (creature, log);
     let mut recorded =
-        RecordedSession::read(source, most(args), args.seed, &asked, provenance, &Bars::default())?;
+        BabbledSession::of_recording(of, most(args), args.seed, &asked, command, &Bars::default())?;
     recorded.session.options.known = args.learning.known.as_ref().map(|known| known.display().to_string());
     let learning = args.learning.options_for(&recorded.session)?;
     let lock = session_folder(args.out.as_deref(), recorded.session.agent.creature().name(), args.force)?;
-    let RecordedSession { session, touches } = recorded.clone();
+    let BabbledSession { session, touches, .. } = recorded.clone();
     Ok(Learnable { lock, made: Some(recorded), session, touches, learning })
 }
 

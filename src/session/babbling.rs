@@ -8,15 +8,14 @@ use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
 use super::shares::BabbledShares;
-use super::touches::make_touches;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
 use crate::session::{
-    BabblingEffort, BabblingProgress, FolderLock, Host, PROGRAM, SESSION_FILE, Session, SessionOptions,
-    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+    BabblingEffort, BabblingProgress, FolderLock, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
+    TouchWriter, model_hash, read_touches,
 };
 use crate::simulation::{Effort, MotionName};
 use crate::skin::Skin;
@@ -193,7 +192,7 @@ impl<'a> BabblingSession<'a> {
         let setup = self.setup;
         let (model, options) = (self.embodied.model(), &setup.babbling);
         self.make(observer, |babbler, done, receive| {
-            make_touches(model, babbler, setup.policy, done, options, receive)
+            babbler.babble_by(setup.policy, done, options, receive).map_err(Error::of_model(model))
         })
     }
 
@@ -288,13 +287,10 @@ pub(super) fn new_session(
 ) -> Result<Session, Error> {
     let (source, learning) = (embodied.source(), &setup.learning);
     Ok(Session {
-        program: PROGRAM.to_string(),
         engine: embodied.body().model.version().to_string(),
         model: source.model.display().to_string(),
         model_hash: model_hash(&source.model)?,
-        recording: None,
         command: provenance.command,
-        host: Some(Host::here()),
         seed: setup.babbling.seed,
         options: SessionOptions {
             touches: setup.babbling.touches,
@@ -310,8 +306,8 @@ pub(super) fn new_session(
             share: None,
             asked: provenance.asked,
         },
-        effort: None,
         agent: embodied.agent().clone(),
+        ..Session::made_here()
     })
 }
 

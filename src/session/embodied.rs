@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use super::observer::Observer;
 use crate::agent::Agent;
-use crate::babbling::Babbler;
+use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::ground_truth::GroundTruth;
+use crate::learning::growth::Growth;
 use crate::mujoco::Model;
+use crate::senses::RecordedTouch;
 use crate::simulation::{MotionName, Movers};
 use crate::skin::{GrowOptions, Skin, grow_counted};
 
@@ -172,6 +174,28 @@ impl Embodied {
     pub fn babbler(&self, motion: MotionName) -> Result<Babbler<'_>, Error> {
         let movers = Movers::new(&self.body, &self.agent, motion);
         movers.map(Babbler::new).map_err(Error::of_model(self.model()))
+    }
+
+    /// All touches that a babbler of this creature makes by a policy, and what a policy that learns all that can be has
+    /// learned on the way.
+    ///
+    /// # Errors
+    /// If nothing of it can touch anything, or the engine fails.
+    pub(crate) fn touches(
+        &self,
+        babbler: &Babbler,
+        policy: PolicyName,
+        options: &BabblingOptions,
+    ) -> Result<(Vec<RecordedTouch>, Option<Growth>)> {
+        let mut touches = Vec::new();
+        let made = babbler.babble_by(policy, BoutsDone::default(), options, |made| {
+            if let Made::Touch(touch) = made {
+                touches.push(touch.clone());
+            }
+            Ok(())
+        });
+        let (_, grown) = made.map_err(Error::of_model(self.model()))?;
+        Ok((touches, grown))
     }
 }
 

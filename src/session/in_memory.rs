@@ -6,9 +6,8 @@ use super::babbling::SessionSetup;
 use super::embodied::{Embodied, ModelSource};
 use super::learning_options::LearningOptions;
 use super::request::SessionRequest;
-use super::touches::{all_touches, taking};
 use crate::agent::Agent;
-use crate::babbling::{BabblingOptions, Policy};
+use crate::babbling::{BabblingOptions, Made, Policy};
 use crate::deadline::worked;
 use crate::error::{Error, Result};
 use crate::evaluation::{Evaluation, evaluate_learned};
@@ -65,7 +64,7 @@ impl Embodied {
     pub fn babble_as(self, request: &SessionRequest) -> Result<Babbled> {
         let SessionSetup { babbling, policy, motion, deadline, learning } = request.chosen(&self)?;
         let babbler = self.babbler(motion)?.until(deadline).learning_from(learning.input());
-        let (touches, grown) = all_touches(self.model(), &babbler, policy, &babbling)?;
+        let (touches, grown) = self.touches(&babbler, policy, &babbling)?;
         drop(babbler);
         Ok(Babbled { embodied: self, touches, seed: babbling.seed, learning, grown, worked: worked() })
     }
@@ -77,7 +76,13 @@ impl Embodied {
     pub fn babble_with(self, policy: &mut dyn Policy, options: &BabblingOptions) -> Result<Babbled, Error> {
         let mut touches = Vec::with_capacity(options.touches);
         let babbler = self.babbler(MotionName::default())?;
-        babbler.babble_with(policy, options, taking(&mut touches)).map_err(Error::of_model(self.model()))?;
+        let made = babbler.babble_with(policy, options, |made| {
+            if let Made::Touch(touch) = made {
+                touches.push(touch.clone());
+            }
+            Ok(())
+        });
+        made.map_err(Error::of_model(self.model()))?;
         drop(babbler);
         let learning = LearningOptions::default();
         Ok(Babbled { embodied: self, touches, seed: options.seed, learning, grown: None, worked: worked() })

@@ -46,7 +46,6 @@ pub(crate) mod touch_columns;
 mod touch_line;
 mod touch_reader;
 mod touch_writer;
-pub(crate) mod touches;
 pub(crate) mod words;
 
 pub use account::RecordedAccount;
@@ -71,7 +70,6 @@ pub use observer::{LearningStep, Observer, Observers, Phase};
 pub use own_body::{hands, learned_body, own_body};
 pub(crate) use part_file::{MadeFolders, PartFile, folder_of, write_whole};
 pub use progress::BabblingProgress;
-pub use recorded::{RecordedSession, RecordingSource};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use request::SessionRequest;
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};

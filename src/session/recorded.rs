@@ -1,92 +1,63 @@
 //! A session made of a recording of a real body.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::babbling::Provenance;
+use super::babbling::BabbledSession;
 use super::learning_options::LearningOptions;
 use super::observer::Observer;
 use crate::agent::Agent;
 use crate::error::Error;
-use crate::senses::RecordedTouch;
-use crate::session::{
-    Host, PROGRAM, RecordingFiles, Session, SessionOptions, TouchWriter, read_creature, read_recording,
-};
+use crate::session::{RecordingFiles, Session, SessionOptions, TouchWriter, read_creature, read_recording};
 
-/// The two files of a recording.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RecordingSource {
-    /// The description of the creature in JSON.
-    pub creature: PathBuf,
-    /// The log of touches: a table or JSON, by its content.
-    pub log: PathBuf,
-}
-
-/// A session made of a recording.
-#[derive(Clone, Debug)]
-pub struct RecordedSession {
-    /// The session; it has no model.
-    pub session: Session,
-    /// Its touches.
-    pub touches: Vec<RecordedTouch>,
-}
-
-impl RecordedSession {
-    /// Reads a recording, of which the first touches are used, at most so many; the observer is told of what is odd
-    /// about it. Where no seed is given it is the description's. Ranges of joints become what the touches visit: a log tells of
-    /// no other postures, and a description often says a whole turn for want of better.
+impl BabbledSession {
+    /// Reads a recording: the description of the `creature` in JSON, and the `log` of touches, a table or JSON by its
+    /// content, of which at most the first `most` are used. The observer is told of what is odd about it. The seed is `seed`,
+    /// else the description's. Ranges of joints become what the touches visit: a log shows no other postures, and a
+    /// description often gives a whole turn for want of better.
     ///
     /// # Errors
-    /// Where a file cannot be read, or is not what it should be.
-    pub fn read(
-        source: &RecordingSource,
+    /// If a file cannot be read, or is not what it should be.
+    pub fn of_recording(
+        (creature, log): (&Path, &Path),
         most: usize,
         seed: Option<u64>,
         learning: &LearningOptions,
-        provenance: Provenance,
+        command: Vec<String>,
         observer: &dyn Observer,
-    ) -> Result<RecordedSession, Error> {
-        let described = read_creature(&source.creature)?;
-        let recording = read_recording(&source.log, &described.agent)?;
+    ) -> Result<BabbledSession, Error> {
+        let described = read_creature(creature)?;
+        let recording = read_recording(log, &described.agent)?;
         for note in &recording.notes {
-            observer.note(&format!("{}: {note}", source.log.display()));
+            observer.note(&format!("{}: {note}", log.display()));
         }
         let mut touches = recording.touches;
         touches.truncate(most);
-        let creature = recording.agent.creature().visited(touches.iter().map(|touch| &touch.posture));
-        let agent = Agent::new(creature, recording.agent.skin().clone())?;
+        let visited = recording.agent.creature().visited(touches.iter().map(|touch| &touch.posture));
         let path = |path: &Path| path.display().to_string();
         let session = Session {
-            program: PROGRAM.to_string(),
-            engine: String::new(),
-            model: String::new(),
-            model_hash: String::new(),
-            recording: Some(RecordingFiles { creature: path(&source.creature), log: path(&source.log) }),
-            command: provenance.command,
-            host: Some(Host::here()),
+            recording: Some(RecordingFiles { creature: path(creature), log: path(log) }),
+            command,
             seed: seed.or(described.seed).unwrap_or(1),
             options: SessionOptions {
                 touches: touches.len(),
                 joints: "all".to_string(),
                 input: Some(learning.input.unwrap_or(recording.input).to_string()),
                 learner: Some(learning.learner.name().to_string()),
-                asked: provenance.asked,
                 ..SessionOptions::default()
             },
-            effort: None,
-            agent,
+            agent: Agent::new(visited, recording.agent.skin().clone())?,
+            ..Session::made_here()
         };
-        Ok(RecordedSession { session, touches })
+        Ok(BabbledSession { session, touches, grown: None })
     }
 
-    /// Writes it into a folder.
+    /// Writes the session and its touches into a folder.
     ///
     /// # Errors
-    /// Where a file cannot be written, or there is a log in the folder already.
+    /// If a file cannot be written, or there is a log in the folder already.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let mut writer = TouchWriter::create(folder, &self.session.agent)?;
-        for touch in &self.touches {
-            writer.write(touch)?;
-        }
+        self.touches.iter().try_for_each(|touch| writer.write(touch))?;
         writer.finish()?;
         self.session.write(folder)
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::stamp::Stamp;
-use super::{Host, SESSION_FILE, files, mistaken};
+use super::{Host, PROGRAM, SESSION_FILE, files, mistaken};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::Limit;
@@ -19,7 +19,7 @@ const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
 /// A session: who babbled, in which model, how, and what it cost.
 ///
 /// In the file, the format's name and version come before these fields.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(expecting = "an object")]
 pub struct Session {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
@@ -132,6 +132,11 @@ impl BabblingEffort {
 }
 
 impl Session {
+    /// What every session has that is made by this program on this computer; all else is empty.
+    pub fn made_here() -> Session {
+        Session { program: PROGRAM.to_string(), host: Some(Host::here()), ..Session::default() }
+    }
+
     /// Writes [`SESSION_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors

@@ -21,7 +21,6 @@ use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, Pa
 use crate::learning::{Input, Learned, LengthUnit, Verdict, Z95};
 use crate::mujoco::Model;
 use crate::senses::RecordedTouch;
-use crate::session::touches::all_touches;
 use crate::session::{BABBLING_SHARE, Embodied, LEARNING_SHARE, LearningOptions, ModelSource};
 use crate::simulation::MotionName;
 
@@ -205,7 +204,7 @@ fn babble(embodied: &Embodied, policy: PolicyName, most: usize, trial: &Trial) -
     let by = Deadline::after_work_of(BABBLING_SHARE * trial.seconds);
     let babbler = embodied.babbler(MotionName::default())?.until(by).learning_from(Input::Receptor);
     let wanted = BabblingOptions { touches: most, seed: trial.seed, jobs: 1 };
-    let (made, work) = apart(|| all_touches(embodied.model(), &babbler, policy, &wanted));
+    let (made, work) = apart(|| embodied.touches(&babbler, policy, &wanted));
     let (touches, grown) = made?;
     Ok(Babbled { policy, touches, grown, work })
 }

@@ -12,7 +12,6 @@ use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::senses::RecordedTouch;
-use crate::session::touches::all_touches;
 use crate::session::{Embodied, LearningOptions, own_body};
 use crate::simulation::{MotionName, Stage, StageOptions, Thing};
 
@@ -148,7 +147,7 @@ impl Subject {
     pub(super) fn babble(&self, touches: usize, seed: u64) -> Result<Vec<RecordedTouch>, Error> {
         let babbler = self.embodied.babbler(MotionName::default())?;
         let options = BabblingOptions { touches, seed, jobs: 1 };
-        Ok(all_touches(self.model(), &babbler, PolicyName::Random, &options)?.0)
+        Ok(self.embodied.touches(&babbler, PolicyName::Random, &options)?.0)
     }
 
     /// Learns from touches, disturbed as the options say, and measures against the truth.

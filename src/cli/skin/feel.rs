@@ -13,9 +13,7 @@ use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
 use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
-use crate::session::{
-    FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map,
-};
+use crate::session::{FiringWriter, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
 use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
 
@@ -123,17 +121,14 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
         ..SessionOptions::default()
     };
     Session {
-        program: PROGRAM.to_string(),
         engine: stage.body().model.version().to_string(),
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
-        recording: None,
         command: crate::cli::output::command_line(),
-        host: Some(Host::here()),
         seed: args.seed,
         options,
-        effort: None,
         agent: stage.agent().clone(),
+        ..Session::made_here()
     }
     .write(folder)?;
     let mut firings = FiringWriter::create(folder, creature.name(), skin)?;
