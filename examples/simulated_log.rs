@@ -6,8 +6,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use bodyschema::{
-    Agent, Estimator, EstimatorOptions, Knowledge, PolicyName, RobotTouch, SessionRequest, Value,
-    add_joint_noise, add_point_noise, calibration_table, misread, plan, point_touches, read_robot,
+    Agent, Estimator, EstimatorOptions, Knowledge, RobotTouch, SessionRequest, Value, add_joint_noise,
+    add_point_noise, calibration_table, misread, plan, point_touches, read_robot,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -26,12 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("give a URDF file and the log to write".into());
     };
     let robot = read_robot(&model)?.robot;
-    let at_random = SessionRequest {
-        touches: Some(FOUND),
-        policy: Some(PolicyName::Random),
-        ..SessionRequest::default()
-    };
-    let babbled = Agent::from_mjcf(&model)?.babble_as(&at_random)?;
+    let babbled = Agent::from_mjcf(&model)?.babble_as(&SessionRequest::at_random(FOUND, 1))?;
     let embodied = babbled.embodied();
     let schema = &embodied.truth().schema;
     let found = point_touches(embodied.agent(), schema, &robot, babbled.touches());

@@ -274,11 +274,7 @@ mod tests {
 
     #[test]
     fn a_small_body_is_learned_as_a_large_one_to_the_digit() {
-        let at_random = SessionRequest {
-            touches: Some(400),
-            policy: Some(PolicyName::Random),
-            ..SessionRequest::default()
-        };
+        let at_random = SessionRequest::at_random(400, 1);
         let babbled = Agent::from_mjcf(CRANE).unwrap().babble_as(&at_random).unwrap();
         let agent = babbled.embodied().agent();
         assert!(agent.creature().dofs().any(|dof| dof.kind == DofKind::Slide), "{CRANE} has no slide");

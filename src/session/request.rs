@@ -77,6 +77,12 @@ impl Default for SessionRequest {
 }
 
 impl SessionRequest {
+    /// So many touches at random.
+    pub fn at_random(touches: usize, seed: u64) -> SessionRequest {
+        let policy = Some(PolicyName::Random);
+        SessionRequest { touches: Some(touches), seed, policy, ..SessionRequest::default() }
+    }
+
     /// Work that the session may take; `None` if it may take as much as it likes.
     pub fn work(&self) -> Option<f64> {
         let patient = self.touches.is_some()

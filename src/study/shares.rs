@@ -129,14 +129,10 @@ impl MadeTrials {
     /// # Errors
     /// If a file cannot be read, or shares are not of one study.
     pub fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, Error> {
-        let made = match made_shares::<StudyShare>(shares)? {
-            Ok(made) => made,
-            Err(unready) => return Ok(Err(unready)),
-        };
-        let files = made.iter().flat_map(|(_, folder, share)| share.files(folder)).collect();
-        // Without a share there is nothing to find.
-        let asked = made.into_iter().next().map(|(_, _, share)| share.asked);
-        Ok(asked.map(|asked| MadeTrials { asked, files }).ok_or_else(Unready::default))
+        Ok(made_shares::<StudyShare>(shares)?.map(|made| {
+            let files = made.iter().flat_map(|(_, folder, share)| share.files(folder)).collect();
+            MadeTrials { asked: made[0].2.asked.clone(), files }
+        }))
     }
 
     /// What they come to.

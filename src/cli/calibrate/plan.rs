@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::{Knowledge, UnknownArguments};
-use crate::babbling::PolicyName;
 use crate::calibration::robot::Robot;
 use crate::calibration::simulated::point_touches;
 use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
@@ -67,13 +66,7 @@ pub fn run(args: &PlanArguments) -> Outcome {
     }
     let spinner = progress::spinner("babbling");
     let count = usize::try_from(args.candidates).unwrap_or(usize::MAX);
-    let request = SessionRequest {
-        touches: Some(count),
-        seed: args.seed,
-        policy: Some(PolicyName::Random),
-        ..SessionRequest::default()
-    };
-    let babbled = embodied.babble_as(&request)?;
+    let babbled = embodied.babble_as(&SessionRequest::at_random(count, args.seed))?;
     let (agent, truth) = (babbled.embodied().agent(), &babbled.embodied().truth().schema);
     // The file's own frames and names, by which its touches are logged and calibrated.
     let mut robot = read_robot(&args.model)?.robot;

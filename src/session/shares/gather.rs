@@ -70,7 +70,7 @@ impl Unready {
     }
 }
 
-/// The shares of some work, each with its folder and record.
+/// The shares of some work, at least one, each with its folder and record.
 pub type MadeShares<R> = Vec<(Share, PathBuf, R)>;
 
 /// All shares of some work with their records and folders, if all are made; else which are not.

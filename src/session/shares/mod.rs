@@ -9,14 +9,14 @@ mod making;
 mod together;
 
 pub use gather::Unready;
-pub(crate) use gather::{ShareRecord, made_shares};
+pub(crate) use gather::{MadeShares, ShareRecord, made_shares};
 pub use making::BabblingShare;
 pub use together::BabbledShares;
 
 use std::path::Path;
 
 use crate::error::Error;
-use crate::session::{SESSION_FILE, Session};
+use crate::session::{SESSION_FILE, Session, SessionOptions};
 
 impl ShareRecord for Session {
     const FILE: &'static str = SESSION_FILE;
@@ -39,26 +39,28 @@ impl ShareRecord for Session {
     }
 
     fn difference(&self, other: &Session) -> Option<String> {
-        let one = self;
-        let of = |what: &str, one: &str, other: &str| {
-            (one != other).then(|| format!("one is of {what} {one}, the other of {what} {other}"))
+        let facts = |session: &Session| {
+            let SessionOptions { touches, joints, root, motion, learner, input, known, .. } =
+                session.options.clone();
+            let words = |choice: Option<String>| choice.unwrap_or_else(|| "none".into());
+            [
+                ("program", session.program.clone()),
+                ("MuJoCo", session.engine.clone()),
+                ("seed", session.seed.to_string()),
+                ("--touches", touches.to_string()),
+                ("--joints", joints),
+                ("--root", words(root)),
+                ("--motion", words(motion)),
+                ("--learner", words(learner)),
+                ("--input", words(input)),
+                ("--known", words(known)),
+            ]
         };
-        let (a, b) = (&one.options, &other.options);
-        let words = |choice: &Option<String>| choice.clone().unwrap_or_else(|| "none".into());
-        of("program", &one.program, &other.program)
-            .or_else(|| of("MuJoCo", &one.engine, &other.engine))
-            .or_else(|| of("seed", &one.seed.to_string(), &other.seed.to_string()))
-            .or_else(|| of("--touches", &a.touches.to_string(), &b.touches.to_string()))
-            .or_else(|| of("--joints", &a.joints, &b.joints))
-            .or_else(|| of("--root", &words(&a.root), &words(&b.root)))
-            .or_else(|| of("--motion", &words(&a.motion), &words(&b.motion)))
-            .or_else(|| of("--learner", &words(&a.learner), &words(&b.learner)))
-            .or_else(|| of("--input", &words(&a.input), &words(&b.input)))
-            .or_else(|| of("--known", &words(&a.known), &words(&b.known)))
-            .or_else(|| {
-                let same =
-                    one.model_hash == other.model_hash && one.agent.creature() == other.agent.creature();
-                (!same).then(|| format!("{} is not the same model for both", one.model))
-            })
+        let mut pairs = facts(self).into_iter().zip(facts(other));
+        if let Some(((what, one), (_, other))) = pairs.find(|(one, other)| one != other) {
+            return Some(format!("one is of {what} {one}, the other of {what} {other}"));
+        }
+        let same = self.model_hash == other.model_hash && self.agent.creature() == other.agent.creature();
+        (!same).then(|| format!("{} is not the same model for both", self.model))
     }
 }

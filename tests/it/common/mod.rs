@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bodyschema::agent::Agent;
-use bodyschema::babbling::{Babbler, BabblingOptions, PolicyName};
+use bodyschema::babbling::{Babbler, BabblingOptions};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Certainty, Input, Learner, SecondOrder};
@@ -33,7 +33,7 @@ pub fn is_newer_engine() -> bool {
 
 /// Asks for touches by random motions.
 pub fn at_random(touches: usize) -> SessionRequest {
-    SessionRequest { touches: Some(touches), policy: Some(PolicyName::Random), ..SessionRequest::default() }
+    SessionRequest::at_random(touches, 1)
 }
 
 /// A file of the repository.
