@@ -14,6 +14,7 @@ const TRIALS: usize = 1000;
 
 /// How a degree of freedom follows another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Coupling {
     /// Index of the degree of freedom that it follows, a hinge or a slide.
     pub leader: usize,

@@ -51,6 +51,7 @@ impl DofKind {
 
 /// One degree of freedom of a joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Dof {
     /// Its name in the model.
     pub name: String,
@@ -77,6 +78,7 @@ impl Dof {
 
 /// A joint: degrees of freedom in series that share one position.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Joint {
     /// What its degrees of freedom are called in common, or the name of the limb it carries.
     pub name: String,
@@ -127,6 +129,7 @@ impl Joint {
 
 /// A named part of the body surface with an aura of its own, made of one or more limbs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct AuraLimb {
     /// Its name.
     pub name: String,
@@ -146,10 +149,12 @@ pub struct Creature {
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 struct Parts {
     name: String,
     limbs: Vec<String>,
     joints: Vec<Joint>,
+    #[serde(default)]
     aura_limbs: Vec<AuraLimb>,
 }
 

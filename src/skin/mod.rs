@@ -29,6 +29,7 @@ const HALF_THICK: f64 = 8e-4;
 
 /// One touch receptor: a flat quadrangle on a limb's surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Receptor {
     /// Its id, the name of its site in the model.
     pub id: String,
@@ -110,10 +111,12 @@ fn extent(points: &[Vector3<f64>]) -> f64 {
 
 /// All receptors of a creature and the surfaces they lie on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Skin {
     /// The receptors, in the order of the model's sites.
     pub receptors: Vec<Receptor>,
     /// The surfaces of the limbs.
+    #[serde(default)]
     pub surfaces: Vec<Surface>,
 }
 

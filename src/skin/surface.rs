@@ -7,6 +7,7 @@ use crate::geometry::{Capsule, Frame, PlacedShape, Shape};
 
 /// A shape on a limb: `X_LG`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Surface {
     /// The limb.
     pub limb: usize,

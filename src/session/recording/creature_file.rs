@@ -4,17 +4,14 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use nalgebra::{Matrix3, Vector3};
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::agent::Agent;
-use crate::creature::{AuraLimb, Coupling, Creature, Dof, DofKind, Joint};
+use crate::creature::Creature;
 use crate::error::Error;
-use crate::geometry::Shape;
 use crate::session::files;
-use crate::skin::{Receptor, Skin, Surface};
+use crate::skin::Skin;
 
 /// A creature's file, read.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,100 +59,24 @@ pub fn read_creature(path: &Path) -> Result<CreatureFile, Error> {
     parse(value).map_err(|message| Error::content(path, None, message))
 }
 
-/// One of a list, by its name or its index (from 0).
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "a name or an index")]
-enum NameOrIndex {
-    Name(String),
-    Index(usize),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct CreatureEntry {
-    name: String,
-    limbs: Vec<String>,
-    joints: Vec<JointEntry>,
-    #[serde(default)]
-    aura_limbs: Vec<AuraEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct JointEntry {
-    name: String,
-    parent: NameOrIndex,
-    limb: Option<NameOrIndex>,
-    dofs: Vec<DofEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct DofEntry {
-    name: String,
-    kind: DofKind,
-    range: Option<[f64; 2]>,
-    follows: Option<CouplingEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct CouplingEntry {
-    leader: NameOrIndex,
-    polynomial: [f64; 5],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct AuraEntry {
-    name: String,
-    limbs: Vec<NameOrIndex>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct SkinEntry {
-    receptors: Vec<ReceptorEntry>,
-    #[serde(default)]
-    surfaces: Vec<SurfaceEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct ReceptorEntry {
-    id: String,
-    limb: NameOrIndex,
-    position: Vector3<f64>,
-    normal: Vector3<f64>,
-    tangent: Vector3<f64>,
-    half_extents: [f64; 2],
-    // There as a null at least: what is misspelt would be none in silence.
-    #[serde(deserialize_with = "Option::deserialize")]
-    surface: Option<usize>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
-struct SurfaceEntry {
-    limb: NameOrIndex,
-    origin: Vector3<f64>,
-    rotation: Matrix3<f64>,
-    shape: Shape,
-}
-
+/// The creature and skin of a file. A session's file has indices where a person writes names, and leaves nothing out: names
+/// become indices here, and ranges that are left out are filled in.
 fn parse(mut file: Value) -> Result<CreatureFile, String> {
     let seed = file.get("seed").and_then(Value::as_u64);
-    let skin = file.as_object_mut().and_then(|file| file.remove("skin"));
-    let (creature, at) = match file.as_object_mut().and_then(|file| file.remove("creature")) {
+    let take = |file: &mut Value, field: &str| file.as_object_mut().and_then(|file| file.remove(field));
+    let skin = take(&mut file, "skin").filter(|skin| !skin.is_null());
+    let (mut creature, at) = match take(&mut file, "creature") {
         Some(creature) => (creature, "creature."),
         None => (file, ""),
     };
-    let creature = typed::<CreatureEntry>(creature, at)?.creature(at)?;
-    let skin = match skin.filter(|skin| !skin.is_null()) {
-        None => Skin::default(),
-        Some(skin) => typed::<SkinEntry>(skin, "skin.")?.skin(creature.limbs())?,
-    };
-    let agent = Agent::new(creature, skin).map_err(|error| error.to_string())?;
+    let names = Names::of(&creature)?;
+    names.resolve_creature(&mut creature, at)?;
+    let creature: Creature = typed(creature, at)?;
+    let mut skin = skin.unwrap_or(json!({ "receptors": [] }));
+    for list in ["receptors", "surfaces"] {
+        names.resolve_limbs(&mut skin, list, "limb", "skin.")?;
+    }
+    let agent = Agent::new(creature, typed::<Skin>(skin, "skin.")?).map_err(|error| error.to_string())?;
     Ok(CreatureFile { agent, seed })
 }
 
@@ -171,111 +92,120 @@ fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
     })
 }
 
-impl NameOrIndex {
-    /// Its index among limbs.
-    fn among(&self, limbs: &[String], place: &str) -> Result<usize, String> {
-        match self {
-            NameOrIndex::Index(index) => Ok(*index),
-            NameOrIndex::Name(name) => limbs.iter().position(|other| other == name).ok_or_else(|| {
-                format!("{place}: there is no limb \"{name}\" in limbs: add it, or name another")
-            }),
-        }
-    }
+/// What is in a field that holds a list; nothing if it holds none, which the type of the whole complains of.
+fn list<'v>(value: &'v mut Value, field: &str) -> impl Iterator<Item = &'v mut Value> {
+    value.get_mut(field).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
-impl CreatureEntry {
-    fn creature(self, at: &str) -> Result<Creature, String> {
-        let CreatureEntry { name, limbs, joints, aura_limbs } = self;
-        let dofs: Vec<String> =
-            joints.iter().flat_map(|joint| &joint.dofs).map(|dof| dof.name.clone()).collect();
-        check_names(&limbs, &dofs, &joints)?;
-        let mut made = Vec::with_capacity(joints.len());
-        for (j, joint) in joints.into_iter().enumerate() {
-            let place = format!("{at}joints[{j}]");
-            let parent = joint.parent.among(&limbs, &format!("{place}.parent"))?;
-            let carried = joint.limb.map(|limb| limb.among(&limbs, &format!("{place}.limb"))).transpose()?;
-            if carried.is_some_and(|carried| carried != j + 1) {
-                let name = limbs.get(j + 1).map_or("none", String::as_str);
+/// The names of a file's limbs and degrees of freedom; `None` if it has no list of them.
+struct Names {
+    limbs: Option<Vec<String>>,
+    dofs: Option<Vec<String>>,
+}
+
+impl Names {
+    /// The names in a description of a creature, where none occurs twice and every joint moves: so it always is in a creature
+    /// from a simulator.
+    fn of(creature: &Value) -> Result<Names, String> {
+        let text = |value: &Value| value.as_str().map(str::to_string);
+        let limbs = creature["limbs"].as_array().map(|limbs| limbs.iter().filter_map(text).collect());
+        let joints = creature["joints"].as_array();
+        let dofs = joints.map(|joints| {
+            let dofs = joints.iter().filter_map(|joint| joint["dofs"].as_array()).flatten();
+            dofs.filter_map(|dof| text(&dof["name"])).collect()
+        });
+        for (names, what) in [(&limbs, "limbs"), (&dofs, "degrees of freedom")] {
+            let mut seen = BTreeSet::new();
+            let names: &[String] = names.as_deref().unwrap_or_default();
+            if let Some(twice) = names.iter().find(|name| !seen.insert(*name)) {
+                return Err(format!("two {what} are called \"{twice}\": give each a name of its own"));
+            }
+        }
+        let fixed = |joint: &&Value| joint["dofs"].as_array().is_some_and(Vec::is_empty);
+        match joints {
+            Some(joints) if joints.is_empty() => Err("it has no joint: give at least one".into()),
+            Some(joints) if joints.iter().any(|joint| fixed(&joint)) => {
+                let name = joints.iter().find(fixed).map_or(&Value::Null, |joint| &joint["name"]);
+                Err(format!(
+                    "joint {name} has no degrees of freedom: what does not move is a part of its parent limb, leave it out"
+                ))
+            }
+            _ => Ok(Names { limbs, dofs }),
+        }
+    }
+
+    /// Puts the index of a limb in place of its name.
+    fn resolve_limb(&self, limb: &mut Value, place: &str) -> Result<(), String> {
+        let missing = |name: &str| format!("there is no limb \"{name}\" in limbs: add it, or name another");
+        resolve(limb, self.limbs.as_deref(), place, missing)
+    }
+
+    /// The same in a field of every object of a list.
+    fn resolve_limbs(&self, of: &mut Value, name: &str, field: &str, at: &str) -> Result<(), String> {
+        let objects = list(of, name).enumerate();
+        let mut fields = objects.filter_map(|(i, object)| Some((i, object.get_mut(field)?)));
+        fields.try_for_each(|(i, limb)| self.resolve_limb(limb, &format!("{at}{name}[{i}].{field}")))
+    }
+
+    /// Puts indices in place of all names in a description of a creature, and fills in the ranges that are left out.
+    fn resolve_creature(&self, creature: &mut Value, at: &str) -> Result<(), String> {
+        self.resolve_limbs(creature, "joints", "parent", at)?;
+        self.resolve_limbs(creature, "joints", "limb", at)?;
+        for (j, joint) in list(creature, "joints").enumerate() {
+            let carried = joint.as_object_mut().and_then(|joint| joint.remove("limb"));
+            if carried.is_some_and(|limb| !limb.is_null() && limb != json!(j + 1)) {
+                let name =
+                    self.limbs.as_ref().and_then(|limbs| limbs.get(j + 1)).map_or("none", String::as_str);
                 return Err(format!(
-                    "{place}.limb is another than limb {} of the list, \"{name}\": put joints and limbs in one order",
+                    "{at}joints[{j}].limb is another than limb {} of the list, \"{name}\": put joints and limbs in one order",
                     j + 1
                 ));
             }
-            let own = joint.dofs.into_iter().enumerate();
-            let own = own.map(|(d, dof)| dof.dof(&dofs, &format!("{place}.dofs[{d}]")));
-            made.push(Joint::new(joint.name, parent, own.collect::<Result<_, _>>()?));
-        }
-        let aura = |(i, aura): (usize, AuraEntry)| -> Result<AuraLimb, String> {
-            let of = aura.limbs.iter().enumerate();
-            let of = of.map(|(k, limb)| limb.among(&limbs, &format!("{at}aura_limbs[{i}].limbs[{k}]")));
-            Ok(AuraLimb { name: aura.name, limbs: of.collect::<Result<_, _>>()? })
-        };
-        let auras = aura_limbs.into_iter().enumerate().map(aura).collect::<Result<_, _>>()?;
-        Creature::new(name, limbs, made, auras).map_err(|error| error.to_string())
-    }
-}
-
-impl DofEntry {
-    /// The degree of freedom; `dofs` are the names of all.
-    fn dof(self, dofs: &[String], place: &str) -> Result<Dof, String> {
-        let range = match (self.range, self.kind) {
-            (Some(range), _) => range,
-            (None, DofKind::Hinge) => [-PI, PI],
-            (None, DofKind::Ball) => [0.0, PI],
-            (None, DofKind::Slide) => {
-                return Err(format!("{place} is a slide and has no range: give its ends in metres"));
+            for (d, dof) in list(joint, "dofs").enumerate() {
+                self.complete_dof(dof, &format!("{at}joints[{j}].dofs[{d}]"))?;
             }
-        };
-        let follows = self.follows.map(|CouplingEntry { leader, polynomial }| {
-            let leader = match leader {
-                NameOrIndex::Index(leader) => leader,
-                NameOrIndex::Name(name) => {
-                    dofs.iter().position(|other| *other == name).ok_or_else(|| {
-                        format!(
-                            "{place}.follows.leader: there is no degree of freedom \"{name}\": name one of joints[].dofs[]"
-                        )
-                    })?
+        }
+        for (i, aura) in list(creature, "aura_limbs").enumerate() {
+            for (k, limb) in list(aura, "limbs").enumerate() {
+                self.resolve_limb(limb, &format!("{at}aura_limbs[{i}].limbs[{k}]"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts an index in place of the name of what a degree of freedom follows, and fills in its range.
+    fn complete_dof(&self, dof: &mut Value, place: &str) -> Result<(), String> {
+        if dof.get("range").is_none_or(Value::is_null) {
+            match dof["kind"].as_str() {
+                Some("hinge") => dof["range"] = json!([-PI, PI]),
+                Some("ball") => dof["range"] = json!([0.0, PI]),
+                Some("slide") => {
+                    return Err(format!("{place} is a slide and has no range: give its ends in metres"));
                 }
-            };
-            Ok::<Coupling, String>(Coupling { leader, polynomial })
-        });
-        Ok(Dof { name: self.name, kind: self.kind, range, follows: follows.transpose()? })
-    }
-}
-
-impl SkinEntry {
-    fn skin(self, limbs: &[String]) -> Result<Skin, String> {
-        let receptor = |(i, entry): (usize, ReceptorEntry)| -> Result<Receptor, String> {
-            let limb = entry.limb.among(limbs, &format!("skin.receptors[{i}].limb"))?;
-            let ReceptorEntry { id, position, normal, tangent, half_extents, surface, .. } = entry;
-            Ok(Receptor { id, limb, position, normal, tangent, half_extents, surface })
-        };
-        let surface = |(i, entry): (usize, SurfaceEntry)| -> Result<Surface, String> {
-            let limb = entry.limb.among(limbs, &format!("skin.surfaces[{i}].limb"))?;
-            let SurfaceEntry { origin, rotation, shape, .. } = entry;
-            Ok(Surface { limb, origin, rotation, shape, geom: 0 })
-        };
-        Ok(Skin {
-            receptors: self.receptors.into_iter().enumerate().map(receptor).collect::<Result<_, _>>()?,
-            surfaces: self.surfaces.into_iter().enumerate().map(surface).collect::<Result<_, _>>()?,
-        })
-    }
-}
-
-/// Refuses what a creature from a simulator never has: names that occur twice, and joints that do not move.
-fn check_names(limbs: &[String], dofs: &[String], joints: &[JointEntry]) -> Result<(), String> {
-    for (names, what) in [(limbs, "limbs"), (dofs, "degrees of freedom")] {
-        let mut seen = BTreeSet::new();
-        if let Some(twice) = names.iter().find(|name| !seen.insert(*name)) {
-            return Err(format!("two {what} are called \"{twice}\": give each a name of its own"));
+                // Another kind, or none, is no kind of the type's.
+                _ => {}
+            }
+        }
+        let missing =
+            |name: &str| format!("there is no degree of freedom \"{name}\": name one of joints[].dofs[]");
+        match dof.get_mut("follows").and_then(|follows| follows.get_mut("leader")) {
+            Some(leader) => {
+                resolve(leader, self.dofs.as_deref(), &format!("{place}.follows.leader"), missing)
+            }
+            None => Ok(()),
         }
     }
-    match joints.iter().find(|joint| joint.dofs.is_empty()) {
-        Some(fixed) => Err(format!(
-            "joint \"{}\" has no degrees of freedom: what does not move is a part of its parent limb, leave it out",
-            fixed.name
-        )),
-        None if joints.is_empty() => Err("it has no joint: give at least one".into()),
-        None => Ok(()),
-    }
+}
+
+/// Puts the index among `all` in place of a name.
+fn resolve(
+    name: &mut Value,
+    all: Option<&[String]>,
+    place: &str,
+    missing: impl Fn(&str) -> String,
+) -> Result<(), String> {
+    let Value::String(text) = &name else { return Ok(()) };
+    let index = all.map_or(Some(0), |all| all.iter().position(|other| other == text));
+    *name = json!(index.ok_or_else(|| format!("{place}: {}", missing(text)))?);
+    Ok(())
 }
