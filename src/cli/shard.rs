@@ -7,7 +7,9 @@ use serde_json::json;
 use super::babbling::{BabbleArguments, Prepared};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::session::{BabblingShare, FolderLock, Provenance, SESSION_FILE, SHARES_FOLDER, Session, Shares};
+use crate::session::{
+    BabblingSession, FolderLock, Provenance, ResumedSession, SESSION_FILE, SHARES_FOLDER, Shares,
+};
 use crate::share::Share;
 
 /// Makes a share in its place below a folder, or what is missing of it.
@@ -16,16 +18,16 @@ pub fn run(prepared: &Prepared, args: &BabbleArguments, share: Share, folder: &P
     let place = lock.folder();
     let provenance = Provenance { command: output::command_line(), asked: prepared.asked(args) };
     let (embodied, setup) = (&prepared.embodied, &prepared.setup);
-    let session = match BabblingShare::take_up(embodied, setup, share, &lock, provenance)? {
-        None => {
+    let session = match BabblingSession::take_up(embodied, setup, &lock, provenance)? {
+        ResumedSession::Babbled(babbled) => {
             tell!("{} is complete: nothing is left to do", place.display());
-            Session::read(place)?
+            babbled.session
         }
-        Some(babbling) => {
+        ResumedSession::Babbling(babbling) => {
             if babbling.made() > 0 {
                 tell!("{}: going on after touch {}", place.display(), babbling.made());
             }
-            babbling.babble(&Bars::default())?
+            babbling.babble(&Bars::default())?.session
         }
     };
     if let Some(effort) = session.effort.filter(|effort| effort.touches == Some(0)) {

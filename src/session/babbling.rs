@@ -7,16 +7,17 @@ use std::time::{Duration, Instant};
 use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
-use super::shares::BabbledShares;
+use super::shares::{BabbledShares, ShareRecord, bouts_of_share};
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
 use crate::session::{
-    BabblingEffort, BabblingProgress, FolderLock, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
-    TouchWriter, model_hash, read_touches,
+    BabblingEffort, BabblingProgress, BoutLine, BoutLog, FolderLock, SESSION_FILE, Session, SessionOptions,
+    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
 };
+use crate::share::Share;
 use crate::simulation::{Effort, MotionName};
 use crate::skin::Skin;
 
@@ -34,6 +35,8 @@ pub struct SessionSetup {
     pub motion: MotionName,
     /// After which no touches are made any more.
     pub deadline: Deadline,
+    /// The share of the session that is made; `None` for all of it.
+    pub share: Option<Share>,
     /// How to learn.
     pub learning: LearningOptions,
 }
@@ -47,7 +50,7 @@ pub struct Provenance {
     pub asked: serde_json::Value,
 }
 
-/// A session with touches still to make.
+/// A session, or a share of one, with touches still to make.
 pub struct BabblingSession<'a> {
     embodied: &'a Embodied,
     setup: &'a SessionSetup,
@@ -55,10 +58,10 @@ pub struct BabblingSession<'a> {
     session: Session,
     /// The log, ready for the touch after those of `done`.
     log: TouchWriter<'a>,
-    /// Zero bytes that were at the log's end and are not any more.
-    zeros: usize,
     /// Whether it was begun here, with an empty log.
     begun: bool,
+    /// Of a share, the bouts and what each cost.
+    bouts: Option<BoutLog>,
     /// The bouts that need not be made again.
     done: BoutsDone,
     /// The time that they took.
@@ -107,25 +110,37 @@ impl<'a> BabblingSession<'a> {
         let session = new_session(embodied, setup, provenance)?;
         session.write(folder)?;
         let log = TouchWriter::create(folder, embodied.agent())?;
-        Ok(BabblingSession {
-            embodied,
-            setup,
-            folder: folder.to_path_buf(),
-            session,
-            log,
-            zeros: 0,
-            begun: true,
-            done: BoutsDone::default(),
-            spent: Duration::ZERO,
-            made: Vec::new(),
-        })
+        let bouts = setup.share.map(|_| BoutLog::go_on(folder, &[])).transpose()?;
+        let (folder, done, made) = (folder.to_path_buf(), BoutsDone::default(), Vec::new());
+        let spent = Duration::ZERO;
+        Ok(BabblingSession { embodied, setup, folder, session, log, begun: true, bouts, done, spent, made })
+    }
+
+    /// Begins the share of the setup in its folder, or goes on with what is there of it.
+    ///
+    /// # Errors
+    /// As [`BabblingSession::begin`] and [`BabblingSession::resume`], and if there is something else in the folder.
+    pub fn take_up(
+        embodied: &'a Embodied,
+        setup: &'a SessionSetup,
+        lock: &FolderLock,
+        provenance: Provenance,
+    ) -> Result<ResumedSession<'a>, Error> {
+        let folder = lock.folder();
+        if !folder.join(SESSION_FILE).exists() {
+            let begun = BabblingSession::begin(embodied, setup, lock, provenance)?;
+            return Ok(ResumedSession::Babbling(Box::new(begun)));
+        }
+        let session = Session::read(folder)?;
+        session.check(folder, &new_session(embodied, setup, provenance)?)?;
+        BabblingSession::resume(embodied, setup, lock, session)
     }
 
     /// Goes on with an interrupted session in its folder, with the setup that it was begun with: its touches become
     /// what they would have been.
     ///
     /// # Errors
-    /// Where the creature or the engine has changed since, or a file cannot be read or written.
+    /// If the creature or the engine has changed since, or a file cannot be read or written.
     pub fn resume(
         embodied: &'a Embodied,
         setup: &'a SessionSetup,
@@ -149,33 +164,40 @@ impl<'a> BabblingSession<'a> {
             }
             return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches, grown: None })));
         }
-        let mut log = TouchWriter::resume(folder, agent)?;
-        let zeros = log.zeros();
-        let (mut done, mut spent, mut made) = (BoutsDone::default(), Duration::ZERO, Vec::new());
+        // The bouts that are done: those of a share one by one, those of a session at random in all.
+        let mut lines = setup.share.map_or(Ok(Vec::new()), |share| bouts_of_share(folder, share))?;
         let progress = BabblingProgress::read(folder).filter(|_| setup.policy == PolicyName::Random);
-        if let Some(progress) = progress
+        let (mut done, mut spent, mut made) = (BoutsDone::default(), Duration::ZERO, Vec::new());
+        for line in &lines {
+            (done.bouts, done.touches) = (done.bouts + 1, done.touches + line.touches);
+            done.effort += line.effort;
+        }
+        if let Some(progress) = progress.filter(|_| setup.share.is_none())
             && let Ok(babbled) = Duration::try_from_secs_f64(progress.effort.babbling_s)
         {
-            if log.skip(progress.touches)? == progress.touches {
-                made = read_touches(&log_file, agent)?.touches;
-                made.truncate(progress.touches);
-                (done, spent) = (progress.done(), babbled);
-            } else {
-                // The disk lost some: all are made once more.
-                drop(log);
-                log = TouchWriter::resume(folder, agent)?;
-            }
+            (done, spent) = (progress.done(), babbled);
         }
+        let mut log = TouchWriter::resume(folder, agent)?;
+        if log.skip(done.touches)? < done.touches {
+            // The disk lost some: all are made once more.
+            drop(log);
+            log = TouchWriter::resume(folder, agent)?;
+            (done, spent) = (BoutsDone::default(), Duration::ZERO);
+            lines.clear();
+        } else if done.touches > 0 {
+            made = read_touches(&log_file, agent)?.touches;
+            made.truncate(done.touches);
+        }
+        let bouts = setup.share.map(|_| BoutLog::go_on(folder, &lines)).transpose()?;
         let folder = folder.to_path_buf();
-        let begun = false;
         let resumed =
-            BabblingSession { embodied, setup, folder, session, log, zeros, begun, done, spent, made };
+            BabblingSession { embodied, setup, folder, session, log, begun: false, bouts, done, spent, made };
         Ok(ResumedSession::Babbling(Box::new(resumed)))
     }
 
     /// How many zero bytes were at the end of the log, as a file system leaves them where the power failed; they are dropped.
     pub fn zeros(&self) -> usize {
-        self.zeros
+        self.log.zeros()
     }
 
     /// How many touches are there already.
@@ -183,16 +205,23 @@ impl<'a> BabblingSession<'a> {
         self.made.len()
     }
 
-    /// Babbles what is missing, and writes every touch into the log as soon as it is made.
+    /// Babbles what is missing, and writes every touch into the log as soon as it is made. A share counts as made, though it
+    /// has no touch, where so many bouts bring none that one process would give up.
     ///
     /// # Errors
-    /// Where the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so
-    /// can be resumed.
+    /// If the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so can be
+    /// resumed.
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, Error> {
-        let setup = self.setup;
-        let (model, options) = (self.embodied.model(), &setup.babbling);
+        let SessionSetup { babbling, policy, share, .. } = self.setup;
+        let model = self.embodied.model();
         self.make(observer, |babbler, done, receive| {
-            babbler.babble_by(setup.policy, done, options, receive).map_err(Error::of_model(model))
+            let made = match share {
+                Some(share) => {
+                    babbler.babble_share(*share, done, babbling, receive).map(|done| (done.effort, None))
+                }
+                None => babbler.babble_by(*policy, done, babbling, receive),
+            };
+            made.map_err(Error::of_model(model))
         })
     }
 
@@ -227,18 +256,21 @@ impl<'a> BabblingSession<'a> {
         ) -> Result<(Effort, Option<Growth>), Error>,
     ) -> Result<BabbledSession, Error> {
         let begun = self.begun;
-        let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, mut made, .. } =
-            self;
+        let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, .. } = self;
+        let (mut bouts, mut made) = (self.bouts, self.made);
         let babbler =
             embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
         observer.phase(Phase::Babbling {
             made: made.len(),
-            touches: setup.babbling.touches,
+            touches: match setup.share {
+                Some(share) => setup.babbling.touches.div_ceil(share.of() as usize).max(made.len()),
+                None => setup.babbling.touches,
+            },
             grows: setup.policy == PolicyName::Stages,
             deadline: setup.deadline,
         });
         let began = Instant::now();
-        let mut kept = began;
+        let (mut kept, mut before) = (began, made.len());
         let cost = |of_motions: Effort| {
             let babbling_s = (spent + began.elapsed()).as_secs_f64();
             BabblingEffort { of_motions, babbling_s, ..BabblingEffort::default() }
@@ -251,13 +283,20 @@ impl<'a> BabblingSession<'a> {
                         observer.touched(touch);
                         made.push(touch.clone());
                     }
-                    // Bouts can be shorter than it takes to write this down.
-                    Made::Bout(done, _) if kept.elapsed() >= KEPT_EVERY => {
-                        let BoutsDone { bouts, touches, effort } = done;
-                        BabblingProgress { bouts, touches, effort: cost(effort) }.write(&folder)?;
-                        kept = Instant::now();
-                    }
-                    Made::Bout(..) => {}
+                    Made::Bout(done, effort) => match setup.share.zip(bouts.as_mut()) {
+                        Some((share, log)) => {
+                            let bout = share.piece(done.bouts - 1);
+                            log.write(&BoutLine { bout, touches: done.touches - before, effort })?;
+                            before = done.touches;
+                        }
+                        // Bouts can be shorter than it takes to write this down.
+                        None if kept.elapsed() >= KEPT_EVERY => {
+                            let BoutsDone { bouts, touches, effort } = done;
+                            BabblingProgress { bouts, touches, effort: cost(effort) }.write(&folder)?;
+                            kept = Instant::now();
+                        }
+                        None => {}
+                    },
                     Made::Grown(growth) => observer.grew(growth),
                 }
                 Ok(())
@@ -270,21 +309,19 @@ impl<'a> BabblingSession<'a> {
         }
         let (effort, grown) = babbled?;
         observer.phase(Phase::Done);
-        let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
+        let touches =
+            Some(made.len()).filter(|&made| made != setup.babbling.touches || setup.share.is_some());
         let ended_by = tally.ended.then(|| setup.deadline.limit());
         session.effort = Some(BabblingEffort { touches, ended_by, ..cost(effort) });
         log.finish()?;
+        bouts.map_or(Ok(()), BoutLog::finish)?;
         session.write(&folder)?;
         BabblingProgress::remove(&folder);
         Ok(BabbledSession { session, touches: made, grown })
     }
 }
 
-pub(super) fn new_session(
-    embodied: &Embodied,
-    setup: &SessionSetup,
-    provenance: Provenance,
-) -> Result<Session, Error> {
+fn new_session(embodied: &Embodied, setup: &SessionSetup, provenance: Provenance) -> Result<Session, Error> {
     let (source, learning) = (embodied.source(), &setup.learning);
     Ok(Session {
         engine: embodied.body().model.version().to_string(),
@@ -303,7 +340,7 @@ pub(super) fn new_session(
             motion: Some(setup.motion)
                 .filter(|motion| *motion != MotionName::default())
                 .map(|m| m.to_string()),
-            share: None,
+            share: setup.share.map(|share| share.to_string()),
             asked: provenance.asked,
         },
         agent: embodied.agent().clone(),
@@ -312,7 +349,7 @@ pub(super) fn new_session(
 }
 
 /// Whether the session's creature and engine are still the same, without which touches would be others.
-pub(super) fn check_same(session: &Session, embodied: &Embodied, folder: &Path) -> Result<(), Error> {
+fn check_same(session: &Session, embodied: &Embodied, folder: &Path) -> Result<(), Error> {
     let version = embodied.body().model.version().to_string();
     if session.engine != version {
         return Err(Error::unfit(

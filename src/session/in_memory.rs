@@ -62,7 +62,7 @@ impl Embodied {
     /// # Errors
     /// As [`Embodied::babble`] and [`SessionRequest::setup`].
     pub fn babble_as(self, request: &SessionRequest) -> Result<Babbled> {
-        let SessionSetup { babbling, policy, motion, deadline, learning } = request.chosen(&self)?;
+        let SessionSetup { babbling, policy, motion, deadline, learning, .. } = request.chosen(&self)?;
         let babbler = self.babbler(motion)?.until(deadline).learning_from(learning.input());
         let (touches, grown) = self.touches(&babbler, policy, &babbling)?;
         drop(babbler);

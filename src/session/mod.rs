@@ -82,7 +82,7 @@ pub use schema::{read_known, read_schema, read_schema_with_std, write_schema, wr
 pub use session_body::{same_tree, session_body};
 pub use session_file::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub use share_folders::{SHARES_FOLDER, Shares};
-pub use shares::{BabbledShares, BabblingShare, Unready};
+pub use shares::{BabbledShares, Unready};
 pub(crate) use shares::{ShareRecord, made_shares};
 pub use space_record::{SpaceRecord, SpaceSlice};
 pub use touch_reader::{TouchLog, read_touches};

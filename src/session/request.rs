@@ -138,6 +138,7 @@ impl SessionRequest {
             policy,
             motion: self.motion,
             deadline: deadline(BABBLING_SHARE),
+            share: self.share,
             learning,
         })
     }

@@ -1,22 +1,38 @@
 //! A session that several processes babble between them, on one machine or many.
 //!
-//! Bouts are drawn by their numbers, so a share of them can be made anywhere: [`BabblingShare`] makes one, in a folder of
-//! its own that names the session as any session's folder does. [`BabbledShares`] are all of them, of which
+//! Bouts are drawn by their numbers, so a share of them can be made anywhere:
+//! [`BabblingSession::take_up`](super::BabblingSession::take_up) makes one, in a folder of its own that names the session as any session's folder does. [`BabbledShares`] are all of them, of which
 //! [`BabblingSession::put_together`](super::BabblingSession::put_together) makes the log that one process would have written.
 
 mod gather;
-mod making;
 mod together;
 
 pub use gather::Unready;
 pub(crate) use gather::{MadeShares, ShareRecord, made_shares};
-pub use making::BabblingShare;
 pub use together::BabbledShares;
 
 use std::path::Path;
 
 use crate::error::Error;
-use crate::session::{SESSION_FILE, Session, SessionOptions};
+use crate::session::{BOUTS_FILE, BoutLine, SESSION_FILE, Session, SessionOptions, read_bouts};
+use crate::share::Share;
+
+/// The bouts that are whole in a share's folder: those that the share begins with.
+pub(super) fn bouts_of_share(folder: &Path, share: Share) -> Result<Vec<BoutLine>, Error> {
+    let bouts = read_bouts(folder)?;
+    match bouts.iter().enumerate().find(|(own, bout)| bout.bout != share.piece(*own as u64)) {
+        None => Ok(bouts),
+        Some((own, _)) => {
+            let reason = format!(
+                "line {} is not of bout {}: lines were added or lost; remove {} and make the share again",
+                own + 1,
+                share.piece(own as u64),
+                folder.display()
+            );
+            Err(Error::unfit(&folder.join(BOUTS_FILE), reason))
+        }
+    }
+}
 
 impl ShareRecord for Session {
     const FILE: &'static str = SESSION_FILE;

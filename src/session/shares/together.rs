@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use super::making::check_bouts;
-use super::{MadeShares, Unready, made_shares};
+use super::{MadeShares, Unready, bouts_of_share, made_shares};
 use crate::agent::Agent;
 use crate::babbling::RecordedBout;
 use crate::error::Error;
-use crate::session::{Session, Shares, TOUCHES_FILE, read_bouts, read_touches};
+use crate::session::{Session, Shares, TOUCHES_FILE, read_touches};
 use crate::share::Share;
 
 /// Shares that are all made, of one session.
@@ -54,8 +53,7 @@ impl BabbledShares {
 
 /// The bouts of one share, by their numbers.
 fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64, RecordedBout>, Error> {
-    let bouts = read_bouts(folder)?;
-    check_bouts(folder, share, &bouts)?;
+    let bouts = bouts_of_share(folder, share)?;
     let path = folder.join(TOUCHES_FILE);
     let mut touches = read_touches(&path, agent)?.touches.into_iter().peekable();
     let lost = |lost: String| {
