@@ -136,13 +136,6 @@ impl AccountEntry {
         if let Some(wrong) = distances.chain(deviations).find(|x| !is_possible(x)) {
             return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}"));
         }
-        let rows = self.determined.iter().flat_map(|found| &found.information);
-        if let Some(wrong) = rows.filter_map(|row| row.last()).find(|x| x.is_nan() || **x < 0.0) {
-            return Err(format!("its account has an information of {wrong}, below nothing: {MEND}"));
-        }
-        if let Some(found) = &self.determined {
-            found.check()?;
-        }
         let account = match (&self.determined, &self.placed) {
             (Some(found), Some(placed)) => Some(placed.account(found.observability(creature)?, creature)?),
             _ => None,
@@ -204,45 +197,26 @@ impl PlacedEntry {
 impl DeterminedEntry {
     fn new(found: &Observability, creature: &Creature) -> DeterminedEntry {
         let (joints, limbs) = (creature.joints(), creature.limbs());
-        let named = |holds: &dyn Fn(usize) -> bool| {
+        let joints = |holds: &dyn Fn(usize) -> bool| {
             let held = joints.iter().enumerate().filter(|(joint, _)| holds(*joint));
             held.map(|(_, joint)| joint.name.clone()).collect()
         };
-        let parameters = &found.parameters;
-        let posed = |joint: &usize| parameters.limb_origins[*joint].is_some();
-        let information = found.information();
+        let limbs = |holds: &dyn Fn(usize) -> bool| {
+            let held = limbs.iter().enumerate().filter(|(limb, _)| holds(*limb));
+            held.map(|(_, limb)| limb.clone()).collect()
+        };
+        let (parameters, information) = (&found.parameters, found.information());
         DeterminedEntry {
-            joints: named(&|joint| parameters.positions[joint].is_some()),
-            limb_poses: (0..joints.len()).filter(posed).map(|joint| limbs[joint + 1].clone()).collect(),
-            known: named(&|joint| found.known()[joint]),
-            unplaced_limbs: limbs
-                .iter()
-                .zip(found.placed())
-                .filter(|(_, placed)| !**placed)
-                .map(|(limb, _)| limb.clone())
-                .collect(),
+            joints: joints(&|joint| parameters.positions[joint].is_some()),
+            limb_poses: limbs(&|limb| limb > 0 && parameters.limb_origins[limb - 1].is_some()),
+            known: joints(&|joint| found.known()[joint]),
+            unplaced_limbs: limbs(&|limb| !found.placed()[limb]),
             unit: Some(found.unit()).filter(|unit| *unit != LengthUnit::METRE).map(LengthUnit::metres),
             residuals: found.residuals(),
             information: (0..information.nrows())
                 .map(|i| (0..=i).map(|j| information[(i, j)]).collect())
                 .collect(),
         }
-    }
-
-    /// Refuses an information that is none: of two parameters together it is at most the mean of that of each.
-    fn check(&self) -> Result<(), String> {
-        let own = |i: usize| self.information[i].get(i).copied().unwrap_or_default();
-        for (i, row) in self.information.iter().enumerate() {
-            for (j, x) in row.iter().enumerate().take(i) {
-                let most = own(i) * own(j) * (1.0 + ROUNDING);
-                if x.is_nan() || x * x > most {
-                    return Err(format!(
-                        "its information of parameters {i} and {j} together, {x}, is more than that of each: {MEND}"
-                    ));
-                }
-            }
-        }
-        Ok(())
     }
 
     fn observability(&self, creature: &Creature) -> Result<Observability, String> {
@@ -262,13 +236,24 @@ impl DeterminedEntry {
                 format!("its account was learned in a unit of {metres} m, which is no power of two that suits a body: {MEND}")
             })?,
         };
-        let n = parameters.len();
-        if self.information.len() != n
-            || self.information.iter().enumerate().any(|(i, row)| row.len() != i + 1)
-        {
+        let (n, rows) = (parameters.len(), &self.information);
+        if rows.len() != n || rows.iter().enumerate().any(|(i, row)| row.len() != i + 1) {
             return Err(format!("its information is not the lower triangle over {n} parameters: {MEND}"));
         }
-        let information = DMatrix::from_fn(n, n, |i, j| self.information[i.max(j)][i.min(j)]);
+        // Information of two parameters together is at most the mean of that of each, which is not negative.
+        let possible = |i: usize, j: usize| {
+            let (x, [a, b]) = (rows[i][j], [i, j].map(|k| rows[k][k]));
+            a >= 0.0 && x * x <= a * b * (1.0 + ROUNDING)
+        };
+        if let Some((i, j)) =
+            (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).find(|&(i, j)| !possible(i, j))
+        {
+            let wrong = rows[i][j];
+            return Err(format!(
+                "its account has an information of {wrong} of parameters {i} and {j}, which none can be: {MEND}"
+            ));
+        }
+        let information = DMatrix::from_fn(n, n, |i, j| rows[i.max(j)][i.min(j)]);
         let found = Observability::new(creature, parameters, &known, information, self.residuals, unit);
         Ok(found.with_placed(unplaced.into_iter().map(|unplaced| !unplaced).collect()))
     }

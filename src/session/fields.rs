@@ -5,9 +5,6 @@ use serde_json::{Map, Value};
 use crate::named::did_you_mean;
 
 /// Refuses an object with a field that is none of `known`; `at` stands before its name, with a dot where it is a place.
-///
-/// # Errors
-/// A sentence that names the field, and the one that it is nearest to.
 pub(super) fn check_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), String> {
     let Some(unknown) = map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
     let near = did_you_mean(unknown, known.iter().copied());

@@ -1,11 +1,9 @@
 //! Reading and writing the files of a session; JSON that people can read.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
 use std::path::Path;
 
 use serde::Serialize;
-use serde_json::ser::Formatter;
 
 use super::part_file::write_whole;
 use crate::error::Error;
@@ -28,89 +26,59 @@ pub(super) fn open(path: &Path) -> Result<File, Error> {
 
 /// Writes a value as JSON that people can read, whole or not at all.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
-    let mut json = Vec::new();
-    let mut serializer = serde_json::Serializer::with_formatter(&mut json, Layout::default());
-    value.serialize(&mut serializer).map_err(|error| Error::unwritable(path)(io::Error::other(error)))?;
-    json.push(b'\n');
-    write_whole(path, &json).map_err(Error::unwritable(path))
+    let json = serde_json::to_string_pretty(value).map_err(|error| Error::unwritable(path)(error.into()))?;
+    write_whole(path, (on_lines(&json) + "\n").as_bytes()).map_err(Error::unwritable(path))
 }
 
 /// JSON of one field a line, with every array of plain values on one line.
-#[derive(Default)]
-struct Layout {
-    depth: usize,
-    /// Per open container, whether what it holds stands on lines of its own.
-    broken: Vec<bool>,
-    /// Whether a value of an array is due, which breaks the line if it is a container.
-    due: bool,
-}
-
-impl Layout {
-    fn break_line<W: ?Sized + Write>(&self, writer: &mut W) -> io::Result<()> {
-        writer.write_all(b"\n")?;
-        (0..self.depth).try_for_each(|_| writer.write_all(b"  "))
-    }
-
-    fn open<W: ?Sized + Write>(&mut self, writer: &mut W, mark: &[u8]) -> io::Result<()> {
-        if std::mem::take(&mut self.due) {
-            if let Some(broken) = self.broken.last_mut() {
-                *broken = true;
+fn on_lines(pretty: &str) -> String {
+    let mut json = String::with_capacity(pretty.len());
+    // Where the innermost array begins, as long as it has plain values alone.
+    let (mut array, mut quoted, mut escaped) = (None, false, false);
+    for letter in pretty.chars() {
+        match letter {
+            '[' if !quoted => array = Some(json.len()),
+            '{' | '}' if !quoted => array = None,
+            ']' if !quoted => {
+                if let Some(begin) = array.take() {
+                    // No text has a line's end in it.
+                    let values: String = json[begin..].split('\n').map(str::trim_start).collect();
+                    json.truncate(begin);
+                    json += &values;
+                }
             }
-            self.break_line(writer)?;
+            '"' if !escaped => quoted = !quoted,
+            _ => {}
         }
-        self.depth += 1;
-        self.broken.push(false);
-        writer.write_all(mark)
+        escaped = letter == '\\' && !escaped;
+        json.push(letter);
     }
-
-    fn close<W: ?Sized + Write>(&mut self, writer: &mut W, mark: &[u8]) -> io::Result<()> {
-        self.due = false;
-        self.depth -= 1;
-        if self.broken.pop() == Some(true) {
-            self.break_line(writer)?;
-        }
-        writer.write_all(mark)
-    }
+    json
 }
 
-impl Formatter for Layout {
-    fn begin_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.open(writer, b"[")
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    fn end_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.close(writer, b"]")
-    }
-
-    fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
-        self.due = true;
-        if first { Ok(()) } else { writer.write_all(b",") }
-    }
-
-    fn end_array_value<W: ?Sized + Write>(&mut self, _: &mut W) -> io::Result<()> {
-        self.due = false;
-        Ok(())
-    }
-
-    fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.open(writer, b"{")
-    }
-
-    fn end_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.close(writer, b"}")
-    }
-
-    fn begin_object_key<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
-        if let Some(broken) = self.broken.last_mut() {
-            *broken = true;
-        }
-        if !first {
-            writer.write_all(b",")?;
-        }
-        self.break_line(writer)
-    }
-
-    fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        writer.write_all(b": ")
+    #[test]
+    fn arrays_of_plain_values_are_on_one_line() {
+        let value =
+            serde_json::json!({"a [\"]\\": [[1.0, -0.5], ["x\n  y", null]], "b": [], "c": [{"d": [true]}]});
+        let json = on_lines(&serde_json::to_string_pretty(&value).unwrap());
+        let lines = [
+            "{",
+            r#"  "a [\"]\\": ["#,
+            "    [1.0,-0.5],",
+            r#"    ["x\n  y",null]"#,
+            "  ],",
+            r#"  "b": [],"#,
+            r#"  "c": ["#,
+            "    {",
+            r#"      "d": [true]"#,
+            "    }",
+            "  ]",
+            "}",
+        ];
+        assert_eq!(json.lines().collect::<Vec<_>>(), lines);
     }
 }

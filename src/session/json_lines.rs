@@ -19,10 +19,6 @@ pub(super) struct LogEnd {
 }
 
 /// Reads a log of lines that each hold a `what`: checks its header, and hands on what each further line holds.
-///
-/// # Errors
-/// If the file cannot be read, or, with the line, if one holds something
-/// else, or `check` or `take` refuses it.
 pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
     path: &Path,
     (stamp, what): (Stamp, &str),
@@ -62,9 +58,6 @@ pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
 }
 
 /// The header of a log, on a line of it.
-///
-/// # Errors
-/// If it has another stamp or content.
 pub(super) fn read_header<H: DeserializeOwned>(
     path: &Path,
     stamp: Stamp,

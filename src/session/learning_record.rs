@@ -90,6 +90,7 @@ struct CheckpointEntry {
     joints: Vec<JointEntry>,
 }
 
+/// The record as it is written, with what has names of the creature's.
 #[derive(Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 struct LearningFile {
@@ -187,9 +188,7 @@ impl LearningRecord {
             bound_rms_mm: checkpoint.bound_rms.filter(|bound| bound.is_finite()),
             joints: joint_entries(creature, &checkpoint.schema, None),
         };
-        let finite = |bound: &CramerRaoBound| {
-            [bound.bound_rms, bound.error_rms, bound.ratio].iter().all(|x| x.is_finite())
-        };
+        let finite = |bound: &CramerRaoBound| numbers(bound).iter().all(|x| x.is_finite());
         let content = LearningFile {
             record: LearningRecord { bound: self.bound.filter(finite), ..self.clone() },
             creature: creature.name().to_string(),
@@ -221,24 +220,19 @@ impl LearningRecord {
             )));
         }
         let mut record = content.record;
+        let anew = "learn again with `bodyschema learn`";
         let of_creature = |name: &&String| {
             creature.limb(name).is_some() || creature.joints().iter().any(|joint| joint.name == **name)
         };
         let named = record.undetermined.iter().chain(&record.undetermined_limbs);
         if let Some(other) = { named }.find(|name| !of_creature(name)) {
-            let message = format!(
-                "it names \"{other}\", which the creature does not have: learn again with `bodyschema learn`"
-            );
-            return Err(refuse(message));
+            return Err(refuse(format!("it names \"{other}\", which the creature does not have: {anew}")));
         }
-        let bound = record.bound.iter().flat_map(|bound| [bound.bound_rms, bound.error_rms, bound.ratio]);
         let on_the_way =
             content.checkpoints.iter().flat_map(|entry| [entry.error_rms_mm, entry.bound_rms_mm]);
-        let possible = |x: &f64| *x >= 0.0 && x.is_finite();
-        if let Some(wrong) = bound.chain(on_the_way.flatten()).chain(record.seconds).find(|x| !possible(x)) {
-            let message = format!(
-                "it has an error, a bound or a time of {wrong}, which none can be: learn again with `bodyschema learn`"
-            );
+        let all = record.bound.iter().flat_map(numbers).chain(on_the_way.flatten()).chain(record.seconds);
+        if let Some(wrong) = { all }.find(|x| !(*x >= 0.0 && x.is_finite())) {
+            let message = format!("it has an error, a bound or a time of {wrong}, which none can be: {anew}");
             return Err(refuse(message));
         }
         let account = content.account.map(|entry| entry.account(creature)).transpose();
@@ -255,4 +249,9 @@ impl LearningRecord {
         }
         Ok(Some(record))
     }
+}
+
+/// The numbers of a bound.
+fn numbers(bound: &CramerRaoBound) -> [f64; 3] {
+    [bound.bound_rms, bound.error_rms, bound.ratio]
 }

@@ -1,6 +1,6 @@
 //! A somatotopic map as a file: the neighbours of every receptor, by their ids.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -46,19 +46,18 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
             read.creature
         ));
     }
-    let numbers: HashMap<&str, usize> =
-        skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+    let numbers = skin.numbers();
+    let number = |id: &str| {
+        numbers.get(id).copied().ok_or_else(|| {
+            let message = format!(
+                "{creature} has no receptor \"{id}\": take it out, or give the map of this skin (`bodyschema \
+                 inspect` has the receptors)"
+            );
+            Error::content(path, None, message)
+        })
+    };
     let mut neighbours: Vec<Option<Vec<usize>>> = vec![None; skin.receptors.len()];
     for (id, others) in &read.neighbours {
-        let number = |id: &str| {
-            numbers.get(id).copied().ok_or_else(|| {
-                let message = format!(
-                    "{creature} has no receptor \"{id}\": take it out, or give the map of this skin (`bodyschema \
-                     inspect` has the receptors)"
-                );
-                Error::content(path, None, message)
-            })
-        };
         let receptor = number(id)?;
         let mut found: Vec<usize> = Vec::new();
         for other in others {
@@ -72,9 +71,9 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
             found.push(neighbour);
         }
         if found.len() > MOST_NEIGHBOURS {
+            let count = found.len();
             return refuse(format!(
-                "\"{id}\" has {} neighbours: leave {MOST_NEIGHBOURS} at the most, the nearest",
-                found.len()
+                "\"{id}\" has {count} neighbours: leave {MOST_NEIGHBOURS} at the most, the nearest"
             ));
         }
         neighbours[receptor] = Some(found);

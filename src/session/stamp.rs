@@ -41,35 +41,22 @@ impl Stamp {
     }
 
     /// Writes a content behind the stamp to a file, whole or not at all.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn write(self, path: &Path, content: &impl Serialize) -> Result<(), Error> {
         files::write_json(path, &self.on(content))
     }
 
     /// Reads the content of a file behind the stamp; `what` it should be is named in errors.
-    ///
-    /// # Errors
-    /// If it cannot be read, or if it has another stamp or content.
     pub fn read<T: DeserializeOwned>(self, path: &Path, what: &str) -> Result<T, Error> {
         self.content(path, what, &files::read(path)?)
     }
 
     /// The content behind the stamp in the `json` of a file.
-    ///
-    /// # Errors
-    /// If it has another stamp or content.
     pub fn content<T: DeserializeOwned>(self, path: &Path, what: &str, json: &[u8]) -> Result<T, Error> {
         self.check(path, None, json)?;
         serde_json::from_slice(json).map_err(|error| Error::json(path, what, &error))
     }
 
     /// Checks that `json` carries the stamp; an error names `line`, or else the parser's line.
-    ///
-    /// # Errors
-    /// For anything but a JSON object, for another format, and for a version
-    /// that this program does not know.
     pub fn check(self, path: &Path, line: Option<usize>, json: &[u8]) -> Result<(), Error> {
         let Stamp { format, version } = self;
         let mend = format!("give a file that begins with \"format\":\"{format}\",\"version\":{version}");

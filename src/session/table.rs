@@ -156,44 +156,29 @@ impl Table {
     /// Which column holds each of some quantities; none where no one does. Their units are known from then on.
     ///
     /// A title that is exactly a quantity's name counts before one with a unit behind it.
-    ///
-    /// # Errors
-    /// Where a column's unit is not known, or measures something else.
     pub fn assign(&mut self, wanted: &[Quantity]) -> Result<Vec<Option<usize>>, String> {
         let titled = |name: &str| self.columns.iter().position(|column| column.title == name);
         let mut places: Vec<Option<usize>> = wanted.iter().map(|(name, _)| titled(name)).collect();
         for (k, (wanted, measure)) in wanted.iter().enumerate() {
-            if places[k].is_some() {
-                continue;
-            }
-            for at in 0..self.columns.len() {
-                let title = &self.columns[at].title;
-                let Some((name, unit)) = name_and_unit(title).filter(|(name, _)| name == wanted) else {
-                    continue;
-                };
-                if places.contains(&Some(at)) {
-                    continue;
+            let free = |at: &usize| places[k].is_none() && !places.contains(&Some(*at));
+            let found = (0..self.columns.len()).filter(free).find_map(|at| {
+                let (name, unit) = name_and_unit(&self.columns[at].title)?;
+                (name == *wanted).then_some((at, unit))
+            });
+            let Some((at, unit)) = found else { continue };
+            let refuse = |why: String| Err(format!("column \"{}\": {why}", self.columns[at].title));
+            let unit = match (unit, measure.map(|measure| (measure, measure.in_words()))) {
+                (Ok(unit), Some((measure, _))) if unit.measure == measure => Some(unit),
+                (Ok(_), Some((_, (noun, units)))) => {
+                    return refuse(format!("{wanted} is {noun}: give it in {units}"));
                 }
-                let unit = match (unit, measure) {
-                    (Ok(unit), Some(measure)) if unit.measure == *measure => Some(unit),
-                    (Ok(_), Some(measure)) => {
-                        let (noun, units) = measure.in_words();
-                        return Err(format!("column \"{title}\": {name} is {noun}: give it in {units}"));
-                    }
-                    (Ok(_), None) => {
-                        return Err(format!("column \"{title}\": {name} has no unit: rename it"));
-                    }
-                    (Err(word), Some(measure)) => {
-                        let (_, units) = measure.in_words();
-                        return Err(format!(
-                            "column \"{title}\": the unit {word} is not known: give {units}"
-                        ));
-                    }
-                    (Err(_), None) => None,
-                };
-                (places[k], self.columns[at].unit) = (Some(at), unit);
-                break;
-            }
+                (Ok(_), None) => return refuse(format!("{wanted} has no unit: rename it")),
+                (Err(word), Some((_, (_, units)))) => {
+                    return refuse(format!("the unit {word} is not known: give {units}"));
+                }
+                (Err(_), None) => None,
+            };
+            (places[k], self.columns[at].unit) = (Some(at), unit);
         }
         Ok(places)
     }
@@ -237,9 +222,6 @@ impl Table {
 
 /// Reads a table. `coordinates` are the columns of a posture that JSON gives as a list; the header of a session's log must be of
 /// the `creature`, if one is given.
-///
-/// # Errors
-/// If it cannot be read, or, with the line, if it is no table.
 pub(crate) fn read_table(
     path: &Path,
     coordinates: &[String],
@@ -306,11 +288,14 @@ fn read_json(
 ) -> Result<Table, Error> {
     let bytes = &with_null(bytes);
     let refuse = |line: usize, fault: String| Err(Error::content(path, Some(line), fault));
-    let list = bytes.trim_ascii_start().starts_with(b"[");
-    let mut at = usize::from(list) + bytes.len() - bytes.trim_ascii_start().len();
-    let mut line = 1 + newlines(&bytes[..at]);
+    let begin = bytes.len() - bytes.trim_ascii_start().len();
+    let list = bytes[begin..].starts_with(b"[");
     let between = |byte: &u8| byte.is_ascii_whitespace() || list && *byte == b',';
-    let (mut objects, mut cut, mut first) = (Vec::new(), None, line);
+    let (mut at, mut line) = (begin + usize::from(list), 1 + newlines(&bytes[..begin]));
+    let mut table =
+        Table { line, columns: Vec::new(), rows: Vec::new(), cut: None, is_json: true, notes: Vec::new() };
+    // The column of each title, and the objects with the lines that they begin on.
+    let (mut places, mut objects) = (HashMap::new(), Vec::new());
     while let Some(blank) = bytes[at..].iter().position(|byte| !between(byte)) {
         line += newlines(&bytes[at..at + blank]);
         at += blank;
@@ -329,7 +314,7 @@ fn read_json(
             Err(error)
                 if at + json.len() == bytes.len() && !objects.is_empty() && incomplete(json, &error) =>
             {
-                cut = Some(line);
+                table.cut = Some(line);
             }
             Err(error) => {
                 let fault = format!("it is no touch ({}): mend the line or delete it", json_reason(&error));
@@ -339,21 +324,19 @@ fn read_json(
         line += newlines(json);
         at += json.len();
     }
-    first = objects.first().map_or(first, |(line, _)| *line);
-    let (mut columns, mut places) = (Vec::new(), HashMap::new());
+    table.line = objects.first().map_or(table.line, |(line, _)| *line);
     for (title, _) in objects.iter().flat_map(|(_, cells)| cells) {
         if !places.contains_key(title) {
-            places.insert(title.clone(), columns.len());
-            columns.push(Column::new(title));
+            places.insert(title.clone(), table.columns.len());
+            table.columns.push(Column::new(title));
         }
     }
-    let row = |(line, cells): (usize, Vec<(String, String)>)| {
-        let mut row = vec![String::new(); columns.len()];
+    for (line, cells) in objects {
+        let mut row = vec![String::new(); table.columns.len()];
         cells.into_iter().for_each(|(title, cell)| row[places[&title]] = cell);
-        (line, StringRecord::from(row))
-    };
-    let rows = objects.into_iter().map(row).collect();
-    Ok(Table { line: first, columns, rows, cut, is_json: true, notes: Vec::new() })
+        table.rows.push((line, StringRecord::from(row)));
+    }
+    Ok(table)
 }
 
 fn newlines(bytes: &[u8]) -> usize {

@@ -33,9 +33,6 @@ pub(crate) struct TouchColumns {
 
 impl TouchColumns {
     /// The columns of a table for postures of these coordinates, and of further quantities.
-    ///
-    /// # Errors
-    /// If the unit of a column is not known, a coordinate is called as another column, or a point lacks a coordinate.
     pub fn new(
         table: &mut Table,
         coordinates: &[(String, Option<Measure>)],

@@ -2,14 +2,16 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::UNIT_LENGTH;
 use super::stamp::Stamp;
 use crate::agent::Agent;
-use crate::creature::DofKind;
+use crate::creature::{DofElement, DofKind};
 use crate::plausible::{GREATEST_LENGTH, is_angle, is_deviation, is_length, place_fault};
-use crate::senses::RecordedTouch;
+use crate::senses::{RecordedTouch, Touch, TouchEnd};
+use crate::skin::Receptor;
 
 pub(super) const STAMP: Stamp = Stamp { format: "bodyschema touches", version: 1 };
 /// Times, forces and depths at the most, seconds, newtons and metres: thirty years, and the weight of an oil tanker.
@@ -64,23 +66,21 @@ pub(super) struct TouchLine<S, P, V> {
     pub depth: Option<f64>,
 }
 
-/// The name of the limb a receptor is on.
-pub(super) fn limb_name(agent: &Agent, receptor: usize) -> Result<&str, String> {
-    let receptor = agent
-        .skin()
-        .receptors
-        .get(receptor)
-        .ok_or_else(|| format!("receptor {receptor} (from 0) is not in the skin: give one that is"))?;
-    let limb = agent.creature().limbs().get(receptor.limb).ok_or_else(|| {
-        format!("receptor \"{}\" is on a limb that does not exist: mend the agent.skin()", receptor.id)
-    })?;
-    Ok(limb)
+/// The two receptors of a touch, and the names of the limbs that they are on.
+pub(super) fn met<'a>(touch: &Touch, agent: &'a Agent) -> Result<[(&'a Receptor, &'a str); 2], String> {
+    let of_end = |end: TouchEnd| -> Result<(&'a Receptor, &'a str), String> {
+        let receptor = agent.skin().receptors.get(end.receptor);
+        let receptor = receptor.ok_or_else(|| {
+            format!("receptor {} (from 0) is not in the skin: give one that is", end.receptor)
+        })?;
+        Ok((receptor, agent.creature().limbs()[receptor.limb].as_str()))
+    };
+    Ok([of_end(touch.ends[0])?, of_end(touch.ends[1])?])
 }
 
 /// Checks that a touch is one of the creature and its skin, and that its numbers are usable.
 ///
-/// # Errors
-/// A sentence that names what is wrong and its mend.
+/// The error is a sentence that names what is wrong and its mend.
 pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> {
     let creature = agent.creature();
     if touch.posture.len() != creature.coordinates() {
@@ -91,87 +91,81 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
             creature.coordinates()
         ));
     }
-    for dof in creature.elements() {
-        let coordinates = dof.of(&touch.posture);
-        if !coordinates.iter().all(|x| x.is_finite()) {
-            return Err(format!(
-                "the posture's {} is not a finite number: give one, or leave the touch out",
-                dof.name
-            ));
-        }
-        let (possible, unit) = match dof.kind {
-            DofKind::Hinge => (coordinates.iter().all(|x| is_angle(*x)), "radians"),
-            DofKind::Slide => (coordinates.iter().all(|x| is_length(*x)), "metres"),
-            DofKind::Ball => (true, ""),
-        };
-        // Beyond its range by a whole turn it would be another angle with the turn taken off.
-        let [low, high] = dof.range;
-        let beyond = (low - coordinates[0]).max(coordinates[0] - high);
-        let possible = possible
-            && match dof.kind {
-                DofKind::Hinge => beyond <= TAU,
-                DofKind::Slide => beyond <= 1.0 + 10.0 * (high - low),
-                DofKind::Ball => true,
-            };
-        if !possible {
-            return Err(format!(
-                "the posture's {} is {}, far beyond its range of {low:.3} to {high:.3}: give {unit}, or leave the touch out",
-                dof.name, coordinates[0]
-            ));
-        }
-        let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if dof.kind == DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
-            return Err(format!(
-                "the posture's quaternion of {} has length {length}: divide it by its length",
-                dof.name
-            ));
-        }
-    }
-    let limbs = [limb_name(agent, touch.ends[0].receptor)?, limb_name(agent, touch.ends[1].receptor)?];
-    let [a, b] = touch.ends.map(|end| &agent.skin().receptors[end.receptor]);
+    creature.elements().try_for_each(|dof| check_coordinates(&dof, dof.of(&touch.posture)))?;
+    let [(a, limb), (b, _)] = met(touch, agent)?;
     if a.limb == b.limb {
         return Err(format!(
-            "both \"{}\" and \"{}\" are on limb {}, but a touch needs two limbs: leave it out",
-            a.id, b.id, limbs[0]
+            "both \"{}\" and \"{}\" are on limb {limb}, but a touch needs two limbs: leave it out",
+            a.id, b.id
         ));
     }
     let contact = touch.exact_contact();
     for (k, receptor) in [a, b].into_iter().enumerate() {
-        let point = contact.points[k];
-        if !point.iter().all(|x| x.is_finite()) {
-            return Err(format!(
-                "the contact at \"{}\" is not three finite numbers: give them, or leave the touch out",
-                receptor.id
-            ));
-        }
-        if let Some(fault) = place_fault(&point) {
-            return Err(format!("the contact at \"{}\" {fault}, or leave the touch out", receptor.id));
-        }
-        let reach = receptor.position.norm() + receptor.half_extents.iter().sum::<f64>();
-        let away = (point - receptor.position).norm();
-        if away > FAR * (reach + LEAST_REACH) {
-            return Err(format!(
-                "the contact at \"{}\" is {away:.3} m from it: give metres in the limb's frame, or leave the touch out",
-                receptor.id
-            ));
-        }
-        if let Some(wrong) = contact.deviations[k].filter(|std| !(is_deviation(*std) && std.is_finite())) {
-            return Err(format!(
-                "the contact's deviation at \"{}\" is {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
-                 the most, or null",
-                receptor.id
-            ));
-        }
+        check_contact(receptor, &contact.points[k], contact.deviations[k])?;
     }
-    if let Some(moment) = touch.moment {
-        let depth = contact.depth.unwrap_or(f64::NAN);
-        for (what, wrong) in [("time", moment.time), ("force", moment.force), ("depth", depth)] {
-            if !(0.0..=GREATEST_MOMENT).contains(&wrong) {
-                return Err(format!(
-                    "its {what} is {wrong}: give a number from 0 to {GREATEST_MOMENT}, or none of time, force and depth"
-                ));
-            }
-        }
+    let depth = contact.depth.unwrap_or(f64::NAN);
+    let moment =
+        touch.moment.map(|moment| [("time", moment.time), ("force", moment.force), ("depth", depth)]);
+    match moment.into_iter().flatten().find(|(_, x)| !(0.0..=GREATEST_MOMENT).contains(x)) {
+        None => Ok(()),
+        Some((what, wrong)) => Err(format!(
+            "its {what} is {wrong}: give a number from 0 to {GREATEST_MOMENT}, or none of time, force and depth"
+        )),
     }
-    Ok(())
+}
+
+/// Checks the coordinates of a degree of freedom in a posture.
+fn check_coordinates(dof: &DofElement, coordinates: &[f64]) -> Result<(), String> {
+    let (name, [low, high], first) = (&dof.name, dof.range, coordinates[0]);
+    if !coordinates.iter().all(|x| x.is_finite()) {
+        return Err(format!("the posture's {name} is not a finite number: give one, or leave the touch out"));
+    }
+    // Beyond its range by a whole turn it would be another angle with the turn taken off.
+    let beyond = (low - first).max(first - high);
+    let (possible, unit) = match dof.kind {
+        DofKind::Hinge => (is_angle(first) && beyond <= TAU, "radians"),
+        DofKind::Slide => (is_length(first) && beyond <= 1.0 + 10.0 * (high - low), "metres"),
+        DofKind::Ball => {
+            let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
+            return match (length - 1.0).abs() > UNIT_LENGTH {
+                true => Err(format!(
+                    "the posture's quaternion of {name} has length {length}: divide it by its length"
+                )),
+                false => Ok(()),
+            };
+        }
+    };
+    if possible {
+        return Ok(());
+    }
+    Err(format!(
+        "the posture's {name} is {first}, far beyond its range of {low:.3} to {high:.3}: give {unit}, or leave the touch out"
+    ))
+}
+
+/// Checks the point of contact at a receptor, in its limb's frame, and its standard deviation.
+fn check_contact(receptor: &Receptor, point: &Vector3<f64>, deviation: Option<f64>) -> Result<(), String> {
+    let id = &receptor.id;
+    if !point.iter().all(|x| x.is_finite()) {
+        return Err(format!(
+            "the contact at \"{id}\" is not three finite numbers: give them, or leave the touch out"
+        ));
+    }
+    if let Some(fault) = place_fault(point) {
+        return Err(format!("the contact at \"{id}\" {fault}, or leave the touch out"));
+    }
+    let reach = receptor.position.norm() + receptor.half_extents.iter().sum::<f64>();
+    let away = (point - receptor.position).norm();
+    if away > FAR * (reach + LEAST_REACH) {
+        return Err(format!(
+            "the contact at \"{id}\" is {away:.3} m from it: give metres in the limb's frame, or leave the touch out"
+        ));
+    }
+    match deviation.filter(|std| !(is_deviation(*std) && std.is_finite())) {
+        None => Ok(()),
+        Some(wrong) => Err(format!(
+            "the contact's deviation at \"{id}\" is {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
+             the most, or null"
+        )),
+    }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::json_lines::{read_header, read_log};
-use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
+use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::error::Error;
@@ -37,8 +37,7 @@ type FoundLine = TouchLine<String, Vec<Option<f64>>, [Option<f64>; 3]>;
 /// is no log of touches or one of a newer version, where it belongs to another creature or skin, and
 /// for any line that is no touch; only the last one may be incomplete.
 pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, Error> {
-    let receptors: HashMap<&str, usize> =
-        agent.skin().receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+    let receptors = agent.skin().numbers();
     let (mut log, mut told) = (TouchLog::default(), HashSet::new());
     let check = |header: TouchHeader| header.check(agent.creature());
     let end = read_log(path, (STAMP, "touch"), check, |found: FoundLine| {
@@ -100,8 +99,8 @@ fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> R
         let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
             format!("the skin has no receptor \"{id}\": give the skin that the touches were recorded with")
         })?;
-        let limb = limb_name(agent, receptor)?;
-        if found.limbs[k] != limb {
+        let limb = &agent.creature().limbs()[skin.receptors[receptor].limb];
+        if found.limbs[k] != *limb {
             return Err(format!(
                 "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin that the touches were \
                  recorded with, or mend the line",

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::json_lines::drop_zeros;
-use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, limb_name};
+use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, met};
 use super::{TOUCHES_FILE, files};
 use crate::agent::Agent;
 use crate::error::Error;
@@ -132,17 +132,15 @@ impl<'a> TouchWriter<'a> {
     pub fn write(&mut self, touch: &RecordedTouch) -> Result<(), Error> {
         let refuse = |message| Error::content(&self.path, Some(self.lines + 1), message);
         check(touch, self.agent).map_err(refuse)?;
-        let limb = |k: usize| limb_name(self.agent, touch.ends[k].receptor).map_err(refuse);
-        let limbs = [limb(0)?, limb(1)?];
-        let receptors = touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
+        let met = met(touch, self.agent).map_err(refuse)?;
         let contact = touch.exact_contact();
         self.write_line(&TouchLine {
             bout: touch.bout,
             motion: touch.motion,
             posture: &touch.posture[..],
-            receptors: receptors.map(|receptor| receptor.id.as_str()),
-            limbs,
-            positions: receptors.map(|receptor| <[f64; 3]>::from(receptor.position)),
+            receptors: met.map(|(receptor, _)| receptor.id.as_str()),
+            limbs: met.map(|(_, limb)| limb),
+            positions: met.map(|(receptor, _)| <[f64; 3]>::from(receptor.position)),
             contacts: contact.points.map(<[f64; 3]>::from),
             deviations: Some(contact.deviations).filter(|deviations| deviations.iter().any(Option::is_some)),
             time: touch.moment.map(|moment| moment.time),

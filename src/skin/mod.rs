@@ -8,7 +8,7 @@ mod somatotopic_map;
 mod surface;
 mod surface_graph;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -136,6 +136,11 @@ impl Skin {
             geom: surface.geom,
         });
         Skin { receptors: receptors.collect(), surfaces: surfaces.collect() }
+    }
+
+    /// The receptors' indices by their ids.
+    pub(crate) fn numbers(&self) -> HashMap<&str, usize> {
+        self.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect()
     }
 
     /// How far the receptors of the longest limb extend, metres; 0 where no limb has two.

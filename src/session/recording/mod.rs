@@ -175,67 +175,60 @@ fn drop_repeats(touches: &mut Vec<RecordedTouch>) -> usize {
 
 /// Gives every touch its limbs and receptors.
 fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Error> {
-    let skin = agent.skin();
-    let creature = agent.creature();
-    let refuse = |touch: &RawTouch| {
-        let line = touch.line;
-        move |fault: String| Error::content(path, Some(line), fault)
+    let limbs = agent.creature().limbs();
+    let refuse = |touch: &RawTouch, fault: String| Error::content(path, Some(touch.line), fault);
+    let of_touch = |touch: &RawTouch| -> Result<[usize; 2], String> {
+        Ok([limb_of(agent, touch, 0)?, limb_of(agent, touch, 1)?])
     };
-    let given = skin.receptors.len();
-    let mut limbs = Vec::with_capacity(raw.len());
-    for touch in raw {
-        limbs.push([
-            limb_of(agent, touch, 0).map_err(refuse(touch))?,
-            limb_of(agent, touch, 1).map_err(refuse(touch))?,
-        ]);
-    }
-    let mut points = vec![Vec::new(); creature.limbs().len()];
-    for (touch, limbs) in raw.iter().zip(&limbs) {
-        for (end, &limb) in touch.ends.iter().zip(limbs) {
-            if let (None, Some(point)) = (end.receptor(skin), end.point) {
-                points[limb].push(point);
-            }
+    let met = raw.iter().map(|touch| of_touch(touch).map_err(|fault| refuse(touch, fault)));
+    let met: Vec<[usize; 2]> = met.collect::<Result<_, _>>()?;
+    let mut points = vec![Vec::new(); limbs.len()];
+    for (end, &limb) in raw.iter().flat_map(|touch| &touch.ends).zip(met.iter().flatten()) {
+        if end.receptor(agent.skin()).is_none() {
+            points[limb].extend(end.point);
         }
     }
-    let mut skin = skin.clone();
+    let mut skin = agent.skin().clone();
+    let given = skin.receptors.len();
     for (limb, points) in points.iter().enumerate() {
         if !skin.receptors.iter().any(|receptor| receptor.limb == limb) {
-            skin.receptors.extend(bare_receptors(&creature.limbs()[limb], limb, points));
+            skin.receptors.extend(bare_receptors(&limbs[limb], limb, points));
         }
     }
     let agent = agent.with_skin(skin).map_err(|error| Error::content(path, None, error.to_string()))?;
     let skin = agent.skin();
-    let mut all_points = true;
-    let mut all_receptors = true;
+    let named = |end: &RawEnd| end.receptor(skin).filter(|&receptor| receptor < given);
+    let ends = || raw.iter().flat_map(|touch| &touch.ends);
+    let all_receptors = ends().all(|end| named(end).is_some());
     let mut touches = Vec::with_capacity(raw.len());
-    for (number, (found, limbs)) in raw.iter().zip(&limbs).enumerate() {
-        let end = |k: usize| {
-            let end: &RawEnd = &found.ends[k];
-            let named = end.receptor(skin).filter(|&receptor| receptor < given);
-            let receptor = named.or_else(|| nearest(skin, limbs[k], &end.point?));
-            let receptor = receptor.expect("an end has a receptor or a point");
-            let contact = end.point.unwrap_or(skin.receptors[receptor].position);
-            (named, receptor, contact, end.deviation)
+    for (number, (found, limbs)) in raw.iter().zip(&met).enumerate() {
+        // The end on the earlier limb comes first.
+        let order = if limbs[0] > limbs[1] { [1, 0] } else { [0, 1] };
+        let receptors = order.map(|k| {
+            let end = &found.ends[k];
+            let receptor = named(end).or_else(|| nearest(skin, limbs[k], &end.point?));
+            receptor.expect("an end has a receptor or a point")
+        });
+        let touch = Touch {
+            bout: found.bout.unwrap_or(0),
+            motion: found.motion.unwrap_or(number as u64 + 1),
+            posture: found.posture.clone(),
+            ends: receptors.map(TouchEnd::at),
+            moment: None,
         };
-        let (a, b) = (end(0), end(1));
-        all_points &= found.ends.iter().all(|end| end.point.is_some());
-        all_receptors &= a.0.is_some() && b.0.is_some();
-        let [first, second] = if limbs[0] > limbs[1] { [b, a] } else { [a, b] };
-        let (bout, motion) = (found.bout.unwrap_or(0), found.motion.unwrap_or(number as u64 + 1));
-        let ends = [TouchEnd::at(first.1), TouchEnd::at(second.1)];
-        let contact =
-            ExactContact { points: [first.2, second.2], deviations: [first.3, second.3], depth: None };
-        let touch = Touch { bout, motion, posture: found.posture.clone(), ends, moment: None };
+        let point = |k: usize| found.ends[order[k]].point.unwrap_or(skin.receptors[receptors[k]].position);
+        let deviations = order.map(|k| found.ends[k].deviation);
+        let contact = ExactContact { points: [point(0), point(1)], deviations, depth: None };
         let touch = RecordedTouch::new(touch, contact);
-        check(&touch, &agent).map_err(refuse(found))?;
+        check(&touch, &agent).map_err(|fault| refuse(found, fault))?;
         touches.push(touch);
     }
-    if !all_receptors && !all_points {
-        let without = |touch: &&RawTouch| touch.ends.iter().any(|end| end.point.is_none());
-        let line = raw.iter().find(without).map(|touch| touch.line);
+    if let Some(without) = raw.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
+        && !all_receptors
+    {
         let message = "this touch has only receptors and others have only points: give points in every touch, or \
                        receptors in every touch";
-        return Err(Error::content(path, line, message));
+        return Err(refuse(without, message.into()));
     }
     let input = if all_receptors { Input::Receptor } else { Input::Contact };
     Ok(Recording { agent, touches, input, notes: Vec::new() })
@@ -243,49 +236,41 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Er
 
 /// The limb of one end of a touch: where its receptor is, or the one that is named.
 fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
-    let skin = agent.skin();
-    let creature = agent.creature();
+    let (creature, skin) = (agent.creature(), agent.skin());
     let end = &touch.ends[k];
     let side = ["a", "b"][k];
-    let named = match &end.limb {
-        None => None,
-        Some(name) => Some(creature.limb(name).ok_or_else(|| {
-            format!(
-                "column {}: {} has no limb \"{name}\": name one of {}",
-                LIMBS[k],
-                creature.name(),
-                listed(creature.limbs())
-            )
-        })?),
-    };
-    let felt = match end.receptor(skin) {
-        Some(receptor) => Some(skin.receptors[receptor].limb),
-        None => match &end.receptor {
-            Some(id) if end.point.is_none() || end.limb.is_none() => {
-                let mend = if skin.receptors.is_empty() {
-                    "give the creature's file a skin, or give limbs and points in place of receptors"
-                } else {
-                    "give the skin that the touches were recorded with"
-                };
-                return Err(format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]));
-            }
-            _ => None,
-        },
-    };
-    match (felt, named) {
-        (Some(felt), Some(named)) if felt != named => Err(format!(
-            "column {}: receptor \"{}\" is on limb {}, not on {}: mend one of the two",
+    let unknown = |name: &String| {
+        format!(
+            "column {}: {} has no limb \"{name}\": name one of {}",
             LIMBS[k],
-            end.receptor.as_deref().unwrap_or_default(),
+            creature.name(),
+            listed(creature.limbs())
+        )
+    };
+    let limb = |name: &String| creature.limb(name).ok_or_else(|| unknown(name));
+    let named = end.limb.as_ref().map(limb).transpose()?;
+    let felt = end.receptor(skin).map(|receptor| skin.receptors[receptor].limb);
+    match (felt, named, &end.receptor) {
+        (Some(felt), Some(named), Some(id)) if felt != named => Err(format!(
+            "column {}: receptor \"{id}\" is on limb {}, not on {}: mend one of the two",
+            LIMBS[k],
             creature.limbs()[felt],
             creature.limbs()[named]
         )),
-        (Some(limb), _) => Ok(limb),
-        (None, Some(_)) if end.point.is_none() => Err(format!(
+        (Some(limb), ..) => Ok(limb),
+        (None, _, Some(id)) if end.point.is_none() || named.is_none() => {
+            let mend = if skin.receptors.is_empty() {
+                "give the creature's file a skin, or give limbs and points in place of receptors"
+            } else {
+                "give the skin that the touches were recorded with"
+            };
+            Err(format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]))
+        }
+        (None, Some(_), _) if end.point.is_none() => Err(format!(
             "end {side} has a limb but no point on it: give the point of contact in the limb's frame, or a receptor"
         )),
-        (None, Some(limb)) => Ok(limb),
-        (None, None) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin")),
+        (None, Some(limb), _) => Ok(limb),
+        (None, None, _) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin")),
     }
 }
 
