@@ -55,11 +55,6 @@ impl Share {
     pub fn of_first(self, pieces: u64) -> u64 {
         (pieces + self.of - self.number) / self.of
     }
-
-    /// Which share a piece of all work belongs to, of so many, and its number there; from 0 on.
-    pub fn having(piece: u64, of: u64) -> (Share, u64) {
-        (Share { of, number: piece % of + 1 }, piece / of)
-    }
 }
 
 impl fmt::Display for Share {
@@ -89,9 +84,6 @@ mod tests {
                 let mut had: Vec<u64> = Vec::new();
                 for share in Share::all(of) {
                     let own: Vec<u64> = (0..share.of_first(pieces)).map(|own| share.piece(own)).collect();
-                    for (k, piece) in own.iter().enumerate() {
-                        assert_eq!(Share::having(*piece, of), (share, k as u64));
-                    }
                     had.extend(own);
                 }
                 had.sort_unstable();

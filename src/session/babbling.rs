@@ -82,7 +82,7 @@ pub struct BabbledSession {
 }
 
 /// A session that was interrupted.
-pub enum ResumedSession<'a> {
+pub(crate) enum ResumedSession<'a> {
     /// While it babbled.
     Babbling(Box<BabblingSession<'a>>),
     /// After it had babbled.
@@ -117,10 +117,7 @@ impl<'a> BabblingSession<'a> {
     }
 
     /// Begins the share of the setup in its folder, or goes on with what is there of it.
-    ///
-    /// # Errors
-    /// As [`BabblingSession::begin`] and [`BabblingSession::resume`], and if there is something else in the folder.
-    pub fn take_up(
+    pub(crate) fn take_up(
         embodied: &'a Embodied,
         setup: &'a SessionSetup,
         lock: &FolderLock,
@@ -138,10 +135,7 @@ impl<'a> BabblingSession<'a> {
 
     /// Goes on with an interrupted session in its folder, with the setup that it was begun with: its touches become
     /// what they would have been.
-    ///
-    /// # Errors
-    /// If the creature or the engine has changed since, or a file cannot be read or written.
-    pub fn resume(
+    pub(crate) fn resume(
         embodied: &'a Embodied,
         setup: &'a SessionSetup,
         lock: &FolderLock,
@@ -196,12 +190,12 @@ impl<'a> BabblingSession<'a> {
     }
 
     /// How many zero bytes were at the end of the log, as a file system leaves them where the power failed; they are dropped.
-    pub fn zeros(&self) -> usize {
+    pub(crate) fn zeros(&self) -> usize {
         self.log.zeros()
     }
 
     /// How many touches are there already.
-    pub fn made(&self) -> usize {
+    pub(crate) fn made(&self) -> usize {
         self.made.len()
     }
 
@@ -227,10 +221,7 @@ impl<'a> BabblingSession<'a> {
 
     /// Puts shares of the session together: the log becomes what one process would have written. What is missing for that
     /// at the end, as where bouts brought few touches, is babbled.
-    ///
-    /// # Errors
-    /// As [`BabblingSession::babble`], and where the shares are not what would be babbled here.
-    pub fn put_together(
+    pub(crate) fn put_together(
         self,
         shares: &BabbledShares,
         observer: &dyn Observer,

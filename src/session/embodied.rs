@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::observer::Observer;
+use super::words::listed;
 use crate::agent::Agent;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures};
@@ -48,10 +49,7 @@ impl ModelSource {
     }
 
     /// Reads the model; the observer is told what is left out of it.
-    ///
-    /// # Errors
-    /// Where the file is not one that the engine takes.
-    pub fn read(&self, observer: &dyn Observer) -> Result<Model, Error> {
+    pub(crate) fn read(&self, observer: &dyn Observer) -> Result<Model, Error> {
         let read = if self.textures { Model::read_with_textures } else { Model::read };
         let (model, left_out) = read(&self.model)?;
         if let Some(words) = left_out.in_words() {
@@ -67,40 +65,28 @@ impl ModelSource {
     }
 
     /// The creature in a model that was read.
-    ///
-    /// # Errors
-    /// Where there is none that can learn.
-    pub fn body_in(&self, model: Arc<Model>) -> Result<Body, Error> {
+    pub(crate) fn body_in(&self, model: Arc<Model>) -> Result<Body, Error> {
         Body::rooted(model, &self.joints, self.root.as_deref()).map_err(Error::of_model(&self.model))
     }
 
-    /// That other creatures are in the file, and how to choose one; none where there are no others, or one was chosen.
+    /// That other creatures are in the file, and how to choose one; `None` if there are no others, or one was chosen.
     fn others(&self, body: &Body) -> Option<String> {
-        const SHOWN: usize = 5;
         let creatures = creatures(&body.declared);
-        if self.root.is_some() || creatures.len() < 2 {
-            return None;
-        }
-        let own = |root: usize| body.limb_of_body[root].is_some();
         let told = |creature: &CreatureInFile| format!("{} ({} joints)", creature.name, creature.joints);
-        let chosen = creatures.iter().find(|creature| own(creature.root)).map(told)?;
-        let others: Vec<String> = creatures.iter().filter(|creature| !own(creature.root)).map(told).collect();
-        let more = match others.len().saturating_sub(SHOWN) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        let others = others[..others.len().min(SHOWN)].join(", ");
+        let (own, others): (Vec<_>, Vec<_>) =
+            creatures.iter().partition(|creature| body.limb_of_body[creature.root].is_some());
+        let chosen = own.first().filter(|_| self.root.is_none() && !others.is_empty())?;
+        let others: Vec<String> = others.into_iter().map(told).collect();
         Some(format!(
-            "{} holds several creatures: this is {chosen}; --root chooses another of {others}{more}",
-            self.model.display()
+            "{} holds several creatures: this is {}; --root chooses another of {}",
+            self.model.display(),
+            told(chosen),
+            listed(&others)
         ))
     }
 
     /// Reads the model and the creature in it.
-    ///
-    /// # Errors
-    /// See [`ModelSource::read`] and [`ModelSource::body_in`].
-    pub fn body(&self, observer: &dyn Observer) -> Result<Body, Error> {
+    pub(crate) fn body(&self, observer: &dyn Observer) -> Result<Body, Error> {
         self.body_in(Arc::new(self.read(observer)?))
     }
 }
@@ -148,7 +134,7 @@ impl Embodied {
     }
 
     /// The creature in its model.
-    pub fn body(&self) -> &Body {
+    pub(crate) fn body(&self) -> &Body {
         &self.body
     }
 
@@ -178,9 +164,6 @@ impl Embodied {
 
     /// All touches that a babbler of this creature makes by a policy, and what a policy that learns all that can be has
     /// learned on the way.
-    ///
-    /// # Errors
-    /// If nothing of it can touch anything, or the engine fails.
     pub(crate) fn touches(
         &self,
         babbler: &Babbler,
@@ -201,10 +184,7 @@ impl Embodied {
 
 /// The skin of a creature: the receptors in its model, and where these are too few or none, more that are grown in memory,
 /// of which the observer is told; and how many are the model's own, which come first.
-///
-/// # Errors
-/// Where none can be grown.
-pub fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<(Skin, usize), Error> {
+pub(crate) fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Result<(Skin, usize), Error> {
     let (skin, own) = grow_counted(body, &GrowOptions::default()).map_err(Error::of_model(model))?;
     let grown = skin.receptors.len() - own;
     let model = model.display();

@@ -1,15 +1,13 @@
 //! The log of firing receptors: a firing a line, with nothing of where receptors are.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::json_lines::read_log;
 use super::stamp::Stamp;
-use super::{FIRINGS_FILE, files};
+use super::{FIRINGS_FILE, write_whole};
 use crate::error::Error;
 use crate::senses::Firing;
 use crate::skin::Skin;
@@ -33,51 +31,20 @@ struct FiringLine<Id> {
     last: f64,
 }
 
-/// Writes [`FIRINGS_FILE`], a line a firing.
-#[derive(Debug)]
-pub struct FiringWriter<'a> {
-    path: PathBuf,
-    file: BufWriter<File>,
-    skin: &'a Skin,
-}
-
-impl<'a> FiringWriter<'a> {
-    /// Begins the log in `folder`, which is made if missing; an older log there is overwritten.
-    ///
-    /// # Errors
-    /// If the folder or the file cannot be made.
-    pub fn create(folder: &Path, creature: &str, skin: &'a Skin) -> Result<FiringWriter<'a>, Error> {
-        files::make_folder(folder)?;
-        let path = folder.join(FIRINGS_FILE);
-        let file = File::create(&path).map_err(Error::unwritable(&path))?;
-        let mut writer = FiringWriter { path, file: BufWriter::new(file), skin };
-        writer.line(&STAMP.on(&FiringHeader { creature: creature.to_string() }))?;
-        Ok(writer)
+/// Writes the firings of a creature's skin to [`FIRINGS_FILE`] in `folder`, a line a firing; an older log there is replaced.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_firings(folder: &Path, creature: &str, skin: &Skin, firings: &[Firing]) -> Result<(), Error> {
+    let path = folder.join(FIRINGS_FILE);
+    let mut lines = serde_json::to_string(&STAMP.on(&FiringHeader { creature: creature.to_string() }))
+        .map_err(|error| Error::unwritable(&path)(error.into()))?;
+    for Firing { receptor, span: [first, last] } in firings {
+        let line = FiringLine { receptor: &skin.receptors[*receptor].id, first: *first, last: *last };
+        let line = serde_json::to_string(&line).map_err(|error| Error::unwritable(&path)(error.into()))?;
+        lines = lines + "\n" + &line;
     }
-
-    /// Adds a firing of the skin's.
-    ///
-    /// # Errors
-    /// If writing fails.
-    pub fn write(&mut self, firing: &Firing) -> Result<(), Error> {
-        let [first, last] = firing.span;
-        let receptor = self.skin.receptors[firing.receptor].id.as_str();
-        self.line(&FiringLine { receptor, first, last })
-    }
-
-    /// Ends the log.
-    ///
-    /// # Errors
-    /// If writing fails.
-    pub fn finish(mut self) -> Result<(), Error> {
-        self.file.flush().map_err(Error::unwritable(&self.path))
-    }
-
-    fn line(&mut self, content: &impl Serialize) -> Result<(), Error> {
-        let io = || Error::unwritable(&self.path);
-        serde_json::to_writer(&mut self.file, content).map_err(|error| io()(error.into()))?;
-        self.file.write_all(b"\n").map_err(io())
-    }
+    write_whole(&path, (lines + "\n").as_bytes()).map_err(Error::unwritable(&path))
 }
 
 /// Reads the firings of a creature's skin from the log `path`, in the log's order; the last line may be incomplete, as
@@ -87,8 +54,7 @@ impl<'a> FiringWriter<'a> {
 /// If the file cannot be read; with the line, if it is no log of
 /// firings or one of a newer version, where it belongs to another creature or skin, and for any line that is no firing.
 pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firing>, Error> {
-    let receptors: HashMap<&str, usize> =
-        skin.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect();
+    let receptors = skin.numbers();
     let check = |header: FiringHeader| match header.creature {
         found if found == creature => Ok(()),
         found => {

@@ -17,7 +17,7 @@ use super::{SCHEMA_FILE, SPACE_FILE};
 
 /// The file that is locked, in a folder that is being written. It names its writer and is removed with the lock; the one
 /// that a killed process leaves is not locked.
-pub const LOCK_FILE: &str = ".writer";
+const LOCK_FILE: &str = ".writer";
 /// Where new files are written.
 const PART: &str = ".generation.part";
 /// The same once all are written.
@@ -60,25 +60,22 @@ impl FolderLock {
     /// # Errors
     /// As [`FolderLock::take`], and if the folder cannot be made.
     pub fn make(folder: &Path) -> Result<FolderLock, Error> {
-        FolderLock::take_made(folder, MadeFolders::make(folder))
-    }
-
-    /// Makes a folder and takes it; `None` if it exists.
-    ///
-    /// # Errors
-    /// As [`FolderLock::make`].
-    pub fn make_new(folder: &Path) -> Result<Option<FolderLock>, Error> {
-        match MadeFolders::make_new(folder) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(None),
-            made => FolderLock::take_made(folder, made).map(Some),
-        }
-    }
-
-    fn take_made(folder: &Path, made: io::Result<MadeFolders>) -> Result<FolderLock, Error> {
-        let made = made.map_err(Error::unwritable(folder))?;
+        let made = MadeFolders::make(folder).map_err(Error::unwritable(folder))?;
         let mut lock = FolderLock::take(folder)?;
         lock.made = made;
         Ok(lock)
+    }
+
+    /// Makes a folder and takes it; `None` if it exists.
+    pub(crate) fn make_new(folder: &Path) -> Result<Option<FolderLock>, Error> {
+        match MadeFolders::make_new(folder) {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(None),
+            Err(error) => Err(Error::unwritable(folder)(error)),
+            Ok(made) => FolderLock::take(folder).map(|mut lock| {
+                lock.made = made;
+                Some(lock)
+            }),
+        }
     }
 
     /// Takes a folder that exists, and puts in order what killed writers left: new files that were all written are moved to
@@ -106,22 +103,19 @@ impl FolderLock {
 
     /// From now on all is written apart: the files with these names stay until [`FolderLock::commit`] puts the new ones in
     /// their stead.
-    ///
-    /// # Errors
-    /// If the folder cannot be written to.
-    pub fn replace(&mut self, files: &[&str]) -> Result<(), Error> {
+    pub(crate) fn replace(&mut self, files: &[&str]) -> Result<(), Error> {
         self.part()?;
         self.replaced = Some(files.iter().map(ToString::to_string).collect());
         Ok(())
     }
 
     /// Whether the results of before are replaced.
-    pub fn replaces(&self) -> bool {
+    pub(crate) fn replaces(&self) -> bool {
         self.replaced.is_some()
     }
 
     /// The folder that is locked, in which everything is in the end.
-    pub fn place(&self) -> &Path {
+    pub(crate) fn place(&self) -> &Path {
         &self.place
     }
 
@@ -140,10 +134,7 @@ impl FolderLock {
     }
 
     /// A folder for what is needed for a while; it is removed with the lock.
-    ///
-    /// # Errors
-    /// If the folder cannot be written to.
-    pub fn scratch(&self) -> Result<PathBuf, Error> {
+    pub(crate) fn scratch(&self) -> Result<PathBuf, Error> {
         self.hidden(SCRATCH)
     }
 
@@ -159,10 +150,7 @@ impl FolderLock {
 
     /// Copies what [`FolderLock::commit`] is to replace into the first free of earlier-1, -2, … in the folder; `None` if
     /// there is nothing.
-    ///
-    /// # Errors
-    /// If a file cannot be copied.
-    pub fn keep_earlier(&self) -> Result<Option<PathBuf>, Error> {
+    pub(crate) fn keep_earlier(&self) -> Result<Option<PathBuf>, Error> {
         let place = &self.place;
         let names = names(&self.part)?.into_iter().chain(MADE_OF_SCHEMA.map(String::from));
         let there: Vec<String> = names.filter(|name| place.join(name).is_file()).collect();
@@ -216,11 +204,14 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         // While it is locked, all of this is this process' own. Left behind, it does no harm.
-        for folder in [PART, EARLIER_PART, SCRATCH] {
-            let _ = fs::remove_dir_all(self.place.join(folder));
-        }
+        remove_unfinished(&self.place);
         let _ = fs::remove_file(self.place.join(LOCK_FILE));
     }
+}
+
+/// Removes the unfinished folders that this process, or a killed one, made in a folder.
+fn remove_unfinished(folder: &Path) {
+    [PART, EARLIER_PART, SCRATCH].iter().for_each(|name| drop(fs::remove_dir_all(folder.join(name))));
 }
 
 /// A folder whose files are not replaced while this lives; it may be read by many.
@@ -311,17 +302,16 @@ fn names(folder: &Path) -> Result<Vec<String>, Error> {
 
 /// Removes what killed processes left in a folder: unfinished folders, and parts of files that nobody writes.
 fn sweep(folder: &Path) {
-    for part in [PART, EARLIER_PART, SCRATCH] {
-        let _ = fs::remove_dir_all(folder.join(part));
-    }
+    remove_unfinished(folder);
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_part = name.starts_with('.') && name.ends_with(".part");
-        if is_part && entry.file_type().is_ok_and(|kind| kind.is_file()) {
-            let file = File::open(entry.path());
-            if file.is_ok_and(|file| !matches!(file.try_lock(), Err(TryLockError::WouldBlock))) {
-                let _ = fs::remove_file(entry.path());
-            }
+        if is_part
+            && entry.file_type().is_ok_and(|kind| kind.is_file())
+            && File::open(entry.path())
+                .is_ok_and(|file| !matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+        {
+            let _ = fs::remove_file(entry.path());
         }
     }
 }
@@ -329,10 +319,9 @@ fn sweep(folder: &Path) {
 /// This process, as messages of others name it.
 fn own_name() -> String {
     let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let on = Some(host.trim()).filter(|host| !host.is_empty()).map(|host| format!(" on {host}"));
+    let on = if host.trim().is_empty() { String::new() } else { format!(" on {}", host.trim()) };
     let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into()).collect();
-    let (id, on, program) = (std::process::id(), on.unwrap_or_default(), env!("CARGO_PKG_NAME"));
-    format!("process {id}{on} (`{program} {}`)", words.join(" "))
+    format!("process {}{on} (`{} {}`)", std::process::id(), env!("CARGO_PKG_NAME"), words.join(" "))
 }
 
 /// Which process holds a lock, as its file says.

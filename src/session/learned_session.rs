@@ -16,10 +16,10 @@ use crate::export::to_mjcf;
 use crate::ground_truth::GroundTruth;
 use crate::learning::{Expectation, Learned, Learner, LimbFrames, SkinKnowledge};
 use crate::schema::BodySchema;
-use crate::senses::{DisturbedSenses, Touch};
+use crate::senses::DisturbedSenses;
 use crate::session::{
-    Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, LearningTable, PROGRAM, RecordedAccount,
-    SCHEMA_FILE, Session, write_schema_with_std, write_whole,
+    Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, PROGRAM, RecordedAccount, SCHEMA_FILE,
+    Session, write_learning_table, write_schema_with_std, write_whole,
 };
 
 /// What learning from a session came to.
@@ -66,12 +66,12 @@ pub fn learn_session(
     observer.phase(Phase::Learning { touches: touches.len(), each });
     let disturbances = options.disturbances.disturbances();
     let felt = disturbances.felt(agent, touches, options.input(), session.seed);
-    let mut run = LearningRun::new(folder, session, touches.len(), options, truth)?;
+    let mut run = LearningRun::new(session, touches.len(), options, truth);
     // What was learned on the way was learned of a body without the disturbances.
     let grown = grown.as_ref().filter(|_| disturbances.is_none());
     let mut learner = options.learner_from(&felt.agent, grown, session.seed);
     learner.end_at(options.deadline);
-    let mut ended_by = None;
+    let (mut seconds, mut ended_by, mut result) = (0.0, None, None);
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
@@ -83,15 +83,22 @@ pub fn learn_session(
         ended_by = done.ended.then(|| options.deadline.limit());
         let learned = learned.map(|learned| learned.with_made(&felt.agent, &felt.touches[..=n]));
         if last || !due || each {
-            run.seconds += began.elapsed().as_secs_f64();
+            seconds += began.elapsed().as_secs_f64();
         }
         if last {
-            run.pass(learner.way())?;
+            run.pass(learner.way());
         }
-        let now = Looked { touches: n + 1, touch, due, last, expected: learner.expectation() };
-        run.look(&now, learned, learner.schema(), observer)?;
+        let schema = learned.as_ref().map(|learned| &learned.schema).or(learner.schema());
+        let (expected, shown) = (learner.expectation(), due || last);
+        observer.learned(&LearningStep {
+            touches: n + 1,
+            touch,
+            schema: schema.filter(|_| shown || run.predicts),
+            predicted_gap: expected.map(|expected| expected.gap),
+        });
+        let evaluation = run.look(n + 1, shown, schema, learned.as_ref(), expected);
+        result = learned.filter(|_| last).map(|learned| (learned, evaluation));
     }
-    let LearningRun { passed, seconds, result, .. } = run;
     let (learned, evaluation) = result.ok_or_else(Error::no_touch)?;
     let undisturbed_heldout_mm = truth.filter(|_| !disturbances.is_none()).map(|truth| {
         observer.phase(Phase::LearningUndisturbed);
@@ -105,24 +112,30 @@ pub fn learn_session(
         && options.skin == SkinKnowledge::Surface
         && options.frames == LimbFrames::Joint;
     let own_account = if tells { OwnAccount::new(&felt.agent, &felt.touches, &learned) } else { None };
-    let checkpoints = checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
+    let checkpoints =
+        checkpoints(run.passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
     let bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
-    let how = (options, command, seconds);
-    let mut record = LearningRecord { checkpoints, bound, ..record(session, touches.len(), how, &learned) };
+    let facts = facts(session, options, &learned, seconds);
+    // To hundredths: nobody reads more of a time.
+    let seconds = Some((100.0 * seconds).round() / 100.0);
+    let command = command.to_vec();
+    let mut record = LearningRecord {
+        command,
+        seconds,
+        facts,
+        checkpoints,
+        bound,
+        ..record(session, touches.len(), &learned)
+    };
     record.facts.extend(ended_by.map(|limit| ("the search ended".to_string(), limit.to_string())));
+    write_learning_table(folder, &run.rows)?;
     write(folder, creature, &learned, agent, &record)?;
     let changes = changes(creature, &learned);
     Ok(LearnedSession { learned, record, changes, ended_by, evaluation, own_account, undisturbed_heldout_mm })
 }
 
-/// What is said of a schema that was learned from so many of a session's touches: by which options and command, in so many
-/// seconds.
-fn record(
-    session: &Session,
-    touches: usize,
-    (options, command, seconds): (&LearningOptions, &[String], f64),
-    learned: &Learned,
-) -> LearningRecord {
+/// What is said of a schema that was learned from so many of a session's touches, however it was learned.
+fn record(session: &Session, touches: usize, learned: &Learned) -> LearningRecord {
     let creature = session.agent.creature();
     let joint = |&joint: &usize| creature.joints()[joint].name.clone();
     let limb = |&limb: &usize| creature.limbs()[limb].clone();
@@ -130,22 +143,17 @@ fn record(
     let directions = learned.reliable_account().map(|account| &account.observability);
     LearningRecord {
         program: PROGRAM.to_string(),
-        command: command.to_vec(),
         host: Some(Host::here()),
         seed: session.seed,
         touches,
-        facts: facts(session, options, learned, seconds),
-        // To hundredths: nobody reads more of a time.
-        seconds: Some((100.0 * seconds).round() / 100.0),
         converged: learned.verdict.converged(),
         verdict: sentence(creature, learned),
         reason: learned.verdict.reason().map(str::to_string),
         undetermined: joints.iter().map(joint).collect(),
         undetermined_limbs: limbs.iter().map(limb).collect(),
         open_directions: directions.map_or(Vec::new(), |found| found.undetermined(creature, &learned.schema)),
-        bound: None,
         account: Some(RecordedAccount::of(learned)),
-        checkpoints: Vec::new(),
+        ..LearningRecord::default()
     }
 }
 
@@ -169,49 +177,36 @@ fn write(
 struct LearningRun<'a> {
     session: &'a Session,
     truth: Option<&'a GroundTruth>,
-    table: LearningTable,
+    /// The rows of the table of learning.
+    rows: Vec<LearningRow>,
     /// Whether the learner predicts each touch, so that every touch has a row.
     predicts: bool,
     checkpoints: Vec<usize>,
     /// The schemas passed, after how many touches.
     passed: Vec<(usize, BodySchema)>,
-    seconds: f64,
-    result: Option<(Learned, Option<Evaluation>)>,
-}
-
-/// A moment of learning.
-struct Looked<'a> {
-    touches: usize,
-    touch: &'a Touch,
-    due: bool,
-    last: bool,
-    expected: Option<Expectation>,
 }
 
 impl<'a> LearningRun<'a> {
     fn new(
-        folder: &Path,
         session: &'a Session,
         touches: usize,
         options: &LearningOptions,
         truth: Option<&'a GroundTruth>,
-    ) -> Result<LearningRun<'a>, Error> {
+    ) -> LearningRun<'a> {
         let given = options.givens();
         // Without the truth a fit on the way tells nothing that the last does not.
         let checkpoints = match truth {
             None if !options.learner.learns_each_touch(&given) => Vec::new(),
             _ => options.learner.checkpoints(&given, touches),
         };
-        Ok(LearningRun {
+        LearningRun {
             session,
             truth,
-            table: LearningTable::create(folder)?,
+            rows: Vec::new(),
             predicts: options.predicts(),
             checkpoints,
             passed: vec![(0, options.initial_guess(&session.agent, session.seed))],
-            seconds: 0.0,
-            result: None,
-        })
+        }
     }
 
     /// Whether a schema after so many touches is worth a look.
@@ -222,55 +217,41 @@ impl<'a> LearningRun<'a> {
     }
 
     /// Takes down what a learner believed on its way.
-    fn pass(&mut self, way: &[(usize, BodySchema)]) -> Result<(), Error> {
+    fn pass(&mut self, way: &[(usize, BodySchema)]) {
         for (touches, schema) in way {
             let evaluation = self.truth.map(|truth| evaluate(&self.session.agent, truth, schema, &[]));
-            self.table.row(&row_of(*touches, evaluation.as_ref()))?;
+            self.rows.push(row_of(*touches, evaluation.as_ref()));
             self.passed.push((*touches, schema.clone()));
         }
-        Ok(())
     }
 
-    /// Takes down what a learner has come to.
+    /// Takes down what a learner has come to, if it is to be `shown` or the learner predicts each touch; its errors.
     fn look(
         &mut self,
-        now: &Looked,
-        learned: Option<Learned>,
+        touches: usize,
+        shown: bool,
         schema: Option<&BodySchema>,
-        observer: &dyn Observer,
-    ) -> Result<(), Error> {
-        let expected = now.expected;
-        let schema = learned.as_ref().map(|learned| &learned.schema).or(schema);
-        let shown = now.due || now.last;
-        observer.learned(&LearningStep {
-            touches: now.touches,
-            touch: now.touch,
-            schema: schema.filter(|_| shown || self.predicts),
-            predicted_gap: expected.map(|expected| expected.gap),
-        });
+        learned: Option<&Learned>,
+        expected: Option<Expectation>,
+    ) -> Option<Evaluation> {
         if !shown && !self.predicts {
-            return Ok(());
+            return None;
         }
-        if let Some(schema) = schema.filter(|_| shown) {
-            self.passed.push((now.touches, schema.clone()));
-        }
+        let schema = schema.filter(|_| shown);
+        self.passed.extend(schema.map(|schema| (touches, schema.clone())));
         let agent = &self.session.agent;
-        let measured = self.truth.zip(schema).filter(|_| shown);
-        let evaluation = measured.map(|(truth, schema)| match &learned {
+        let evaluation = self.truth.zip(schema).map(|(truth, schema)| match learned {
             Some(learned) => evaluate_learned(agent, truth, learned),
             None => evaluate(agent, truth, schema, &[]),
         });
-        self.table.row(&LearningRow {
+        self.rows.push(LearningRow {
             predicted_gap_mm: expected.map(|expected| 1e3 * expected.gap),
             predicted_deviation_mm: expected.map(|expected| 1e3 * expected.deviation),
-            converged: learned.as_ref().map(|learned| u8::from(learned.verdict.converged())),
-            fresh_rms: learned.as_ref().map(|learned| learned.fresh_rms),
-            ..row_of(now.touches, evaluation.as_ref())
-        })?;
-        if now.last {
-            self.result = learned.map(|learned| (learned, evaluation));
-        }
-        Ok(())
+            converged: learned.map(|learned| u8::from(learned.verdict.converged())),
+            fresh_rms: learned.map(|learned| learned.fresh_rms),
+            ..row_of(touches, evaluation.as_ref())
+        });
+        evaluation
     }
 }
 

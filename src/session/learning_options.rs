@@ -75,7 +75,7 @@ impl LearningOptions {
     }
 
     /// Whether a body can grow part by part with what is given: by receptors on known surfaces alone, undisturbed.
-    pub fn grows(&self) -> bool {
+    pub(crate) fn grows(&self) -> bool {
         self.skin == SkinKnowledge::Surface
             && self.frames == LimbFrames::Joint
             && self.known.is_none()
@@ -88,7 +88,7 @@ impl LearningOptions {
     }
 
     /// What the learner is given beside a body.
-    pub fn givens(&self) -> LearnerGivens {
+    pub(crate) fn givens(&self) -> LearnerGivens {
         LearnerGivens {
             input: self.input(),
             skin: self.skin,
@@ -98,9 +98,6 @@ impl LearningOptions {
     }
 
     /// These options with what a file says of a creature's joints: a `schema.json`, whole or with some of them.
-    ///
-    /// # Errors
-    /// Where the file is not one for this creature, or the learner has no use for it.
     fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, Error> {
         self.check_frames(creature, true)?;
         if !self.learner.uses().known_joints {
@@ -118,10 +115,7 @@ impl LearningOptions {
     }
 
     /// These options for a creature, with what a file says of its joints if there is one.
-    ///
-    /// # Errors
-    /// Where the file is not one for this creature, or the learner has no use for it, and as [`LearningOptions::check`].
-    pub fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
+    pub(crate) fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
         let options = match known {
             Some(path) => self.with_known(path, creature)?,
             None => self,
@@ -131,10 +125,7 @@ impl LearningOptions {
     }
 
     /// Whether a creature can be learned with these options.
-    ///
-    /// # Errors
-    /// Where limbs in frames of their own cannot be learned.
-    pub fn check(&self, creature: &Creature) -> Result<(), Error> {
+    pub(crate) fn check(&self, creature: &Creature) -> Result<(), Error> {
         if self.learner.uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
             return Err(Error::usage(format!(
                 "--learner {} learns by the surfaces under receptors: leave out --skin, or use --learner {}",
@@ -207,7 +198,7 @@ impl LearningOptions {
     }
 
     /// Whether the learner predicts each touch before it learns from it.
-    pub fn predicts(&self) -> bool {
+    pub(crate) fn predicts(&self) -> bool {
         self.learner.predicts(&self.givens())
     }
 
@@ -237,14 +228,14 @@ impl LearningOptions {
     }
 
     /// The prior knowledge, in JSON: the file, and its joints with whether they were exact.
-    pub fn known_json(&self, creature: &Creature) -> Value {
+    pub(crate) fn known_json(&self, creature: &Creature) -> Value {
         let Some(known) = &self.known else { return Value::Null };
         let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });
         json!({ "file": known.path, "joints": known.joints.iter().map(joint).collect::<Vec<_>>() })
     }
 
     /// The same in words.
-    pub fn known_words(&self, creature: &Creature) -> Option<String> {
+    pub(crate) fn known_words(&self, creature: &Creature) -> Option<String> {
         let known = self.known.as_ref()?;
         let named = |exact: bool| {
             let joints = known.joints.iter().filter(|known| known.exact == exact);

@@ -1,13 +1,12 @@
 //! The table of how learning went: a row per checkpoint.
 
 use crate::error::Error;
-use std::fs::File;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{LEARNING_FILE, files};
+use super::{LEARNING_FILE, files, write_whole};
 
 /// Touches of a log at the most.
 const MOST_TOUCHES: usize = 100_000_000;
@@ -46,49 +45,26 @@ pub struct LearningRow {
     pub axis_median_deg: Option<f64>,
 }
 
-/// What the learner predicted of one touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prediction {
-    /// The touch, counted from 1.
-    pub touch: usize,
-    /// How far apart the schema put what touched, millimetres.
-    pub gap: f64,
-    /// The standard deviation that it expected of that, millimetres.
-    pub deviation: f64,
-}
-
-/// Writes [`LEARNING_FILE`]: comma-separated values after a line of column names.
-pub struct LearningTable {
-    path: PathBuf,
-    writer: csv::Writer<File>,
-}
-
-impl LearningTable {
-    /// Begins the table in a session's folder; an older one there is overwritten.
-    ///
-    /// # Errors
-    /// If the folder or the file cannot be made.
-    pub fn create(folder: &Path) -> Result<LearningTable, Error> {
-        let path = folder.join(LEARNING_FILE);
-        files::make_folder(folder)?;
-        let file = File::create(&path).map_err(Error::unwritable(&path))?;
-        Ok(LearningTable { path, writer: csv::Writer::from_writer(file) })
-    }
-
-    /// Adds a row. A number that no measure can have leaves its cell empty.
-    ///
-    /// # Errors
-    /// If writing fails.
-    pub fn row(&mut self, row: &LearningRow) -> Result<(), Error> {
+/// Writes [`LEARNING_FILE`] into a session's folder, which is made if missing: comma-separated values after a line of column
+/// names. A number that no measure can have leaves its cell empty.
+///
+/// # Errors
+/// If the folder or the file cannot be written.
+pub fn write_learning_table(folder: &Path, rows: &[LearningRow]) -> Result<(), Error> {
+    files::make_folder(folder)?;
+    let path = folder.join(LEARNING_FILE);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
         let mut row = row.clone();
         row.numbers().into_iter().for_each(|number| *number = number.filter(|x| x.abs() <= GREATEST));
-        let written = self.writer.serialize(&row).map_err(io::Error::other);
-        written.and_then(|()| self.writer.flush()).map_err(Error::unwritable(&self.path))
+        writer.serialize(&row).map_err(io::Error::other).map_err(Error::unwritable(&path))?;
     }
+    let table = writer.into_inner().map_err(|error| Error::unwritable(&path)(error.into_error()))?;
+    write_whole(&path, &table).map_err(Error::unwritable(&path))
 }
 
 impl LearningRow {
-    /// The measures, the predicted gap first.
+    /// The measures; the first, a gap, may be negative, as an overlap.
     fn numbers(&mut self) -> [&mut Option<f64>; 7] {
         [
             &mut self.predicted_gap_mm,
@@ -102,21 +78,16 @@ impl LearningRow {
     }
 
     /// What of it cannot be, after a row of so many touches.
-    fn fault(&self, before: usize) -> Option<String> {
-        let mut row = self.clone();
-        let numbers = row.numbers();
-        // A gap may be an overlap.
-        let least = |k: usize| if k == 0 { -GREATEST } else { 0.0 };
-        let wrong = numbers
-            .iter()
-            .enumerate()
-            .find_map(|(k, number)| number.filter(|x| !(least(k)..=GREATEST).contains(x)));
-        let converged = self.converged.filter(|converged| *converged > 1).map(f64::from);
+    fn fault(&mut self, before: usize) -> Option<String> {
+        let (touches, converged) = (self.touches, self.converged);
+        let converged = converged.filter(|converged| *converged > 1).map(f64::from);
+        let possible = |k: usize, x: f64| x.abs() <= GREATEST && (k == 0 || x >= 0.0);
+        let mut numbers = self.numbers().into_iter().enumerate().filter_map(|(k, x)| Some((k, (*x)?)));
+        let wrong = numbers.find(|(k, x)| !possible(*k, *x)).map(|(_, x)| x);
         if let Some(wrong) = wrong.or(converged) {
             return Some(format!("{wrong} is no number that this measure can have"));
         }
-        let touches = self.touches;
-        let order = touches >= before && touches <= MOST_TOUCHES;
+        let order = (before..=MOST_TOUCHES).contains(&touches);
         (!order).then(|| format!("it is of {touches} touches, after {before}"))
     }
 }
@@ -137,7 +108,7 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
     };
     let mut rows: Vec<LearningRow> = Vec::new();
     for (k, row) in csv::Reader::from_reader(&bytes[..]).deserialize().enumerate() {
-        let row: LearningRow = row.map_err(|error: csv::Error| match error.kind() {
+        let mut row: LearningRow = row.map_err(|error: csv::Error| match error.kind() {
             csv::ErrorKind::Deserialize { err, pos } => {
                 let field = err.field().map_or(String::new(), |field| format!("cell {}: ", field + 1));
                 let line = pos.as_ref().map_or(k + 2, |pos| pos.line() as usize);
@@ -154,16 +125,4 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
         rows.push(row);
     }
     Ok(rows)
-}
-
-/// What the learner predicted of touches, from [`LEARNING_FILE`] of a session's folder; nothing if it is not there.
-///
-/// # Errors
-/// As [`read_learning_table`].
-pub fn read_predictions(folder: &Path) -> Result<Vec<Prediction>, Error> {
-    let prediction = |row: LearningRow| {
-        let (gap, deviation) = (row.predicted_gap_mm?, row.predicted_deviation_mm?);
-        Some(Prediction { touch: row.touches, gap, deviation })
-    };
-    Ok(read_learning_table(folder)?.into_iter().filter_map(prediction).collect())
 }

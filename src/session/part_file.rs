@@ -24,9 +24,6 @@ pub(crate) struct PartFile {
 
 impl PartFile {
     /// Begins the file of a place.
-    ///
-    /// # Errors
-    /// If the place has no name, and if another process goes on writing it.
     pub fn begin(place: &Path) -> io::Result<PartFile> {
         let name = place.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_string_lossy();
         let part = place.with_file_name(format!(".{name}.part"));
@@ -41,9 +38,6 @@ impl PartFile {
     }
 
     /// Puts it in its place, once it is on the disk.
-    ///
-    /// # Errors
-    /// If the system refuses.
     pub fn put(mut self) -> io::Result<()> {
         self.file.sync_all()?;
         fs::rename(&self.part, &self.place)?;
@@ -100,9 +94,6 @@ pub(crate) struct MadeFolders(Vec<PathBuf>);
 
 impl MadeFolders {
     /// Makes a folder and those above it, if they are missing.
-    ///
-    /// # Errors
-    /// If the system refuses.
     pub fn make(folder: &Path) -> io::Result<MadeFolders> {
         let missing = folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
         let made = MadeFolders(missing.map(Path::to_path_buf).collect());
@@ -111,9 +102,6 @@ impl MadeFolders {
     }
 
     /// Makes a folder that does not exist, and those above it.
-    ///
-    /// # Errors
-    /// [`io::ErrorKind::AlreadyExists`] if it exists, and if the system refuses.
     pub fn make_new(folder: &Path) -> io::Result<MadeFolders> {
         let mut made = MadeFolders::make(folder_of(folder))?;
         fs::create_dir(folder)?;

@@ -84,7 +84,7 @@ impl SessionRequest {
     }
 
     /// Work that the session may take; `None` if it may take as much as it likes.
-    pub fn work(&self) -> Option<f64> {
+    pub(crate) fn work(&self) -> Option<f64> {
         let patient = self.touches.is_some()
             || self.seconds.is_some()
             || self.share.is_some()

@@ -86,14 +86,17 @@ fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f
     Option::deserialize(deserializer).map(Some)
 }
 
-/// A joint of the creature as a file has it.
+/// A joint of the creature as a file has it. A deviation that is null in the file, as of what nothing determines, is
+/// infinite.
 struct Found {
     joint: usize,
     position: Option<Vector3<f64>>,
     /// `None` if the file gives no deviation.
-    position_std: Option<[Option<f64>; 3]>,
-    /// Degrees of freedom by their index, the axis and its deviation, which may not be given.
-    axes: Vec<ReadAxis>,
+    position_std: Option<[f64; 3]>,
+    /// Degrees of freedom by their index, the axis and its deviation, if the file gives one.
+    axes: Vec<(usize, Vector3<f64>, Option<f64>)>,
+    /// Whether the file says anything of axes.
+    gives_axes: bool,
     /// The pose of its limb, if it is given.
     pose: Option<Frame>,
 }
@@ -188,8 +191,9 @@ pub fn read_schema_with_std(
     })?;
     let refuse = |fault: String| Error::content(path, None, fault);
     check_creature(&content, creature).map_err(refuse)?;
-    let schema = schema_of_joints(&content.joints, creature).map_err(refuse)?;
-    let std = std_of(&content.joints, creature).map_err(refuse)?;
+    let found = found_joints(&content.joints, creature).map_err(refuse)?;
+    let schema = schema_of(&found, creature).map_err(refuse)?;
+    let std = std_of(&found, creature).map_err(refuse)?;
     Ok((schema, std))
 }
 
@@ -214,14 +218,12 @@ pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, E
         STAMP.check(path, None, &json)?;
     }
     check_creature(&content, creature).map_err(refuse)?;
-    let known = found_joints(&content.joints, creature).and_then(|found| {
-        let known = |(found, entry): (Found, &JointEntry)| {
-            known_joint(found, entry, creature)
-                .map_err(|problem| format!("joint \"{}\" {problem}", entry.joint))
-        };
-        found.into_iter().zip(&content.joints).map(known).collect::<Result<Vec<_>, _>>()
+    let found = found_joints(&content.joints, creature).map_err(refuse)?;
+    let known = found.into_iter().map(|found| {
+        let joint = &creature.joints()[found.joint];
+        known_joint(found, joint).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))
     });
-    Ok(known.map_err(refuse)?.into_iter().flatten().collect())
+    Ok(known.collect::<Result<Vec<_>, _>>().map_err(refuse)?.into_iter().flatten().collect())
 }
 
 /// Refuses fields that no such file has, at any depth: a misspelt one would be ignored.
@@ -288,19 +290,25 @@ impl JointEntry {
         if self.position.is_none() && self.position_std.is_some() {
             return Err("has a position_std but no position: give both or neither".into());
         }
-        let position_std = self.position_std.map(|std| match std {
+        let unknown = |std: Option<f64>| std.unwrap_or(f64::INFINITY);
+        let given = self.position_std.map(|std| match std {
             PositionStd::One(std) => [Some(std); 3],
             PositionStd::Each(each) => each,
         });
-        if let Some(wrong) = position_std.iter().flatten().flatten().find(|std| !is_deviation(**std)) {
+        if let Some(wrong) = given.iter().flatten().flatten().find(|std| !is_deviation(**std)) {
             return Err(format!(
                 "has a position_std of {wrong}, and no standard deviation of {wrong} can be: give metres that are not negative, to {GREATEST_LENGTH} at \
                  the most, or null"
             ));
         }
-        let axes = self.axes.as_ref().map_or(Ok(Vec::new()), |axes| read_axes(axes, joint))?;
-        let position = self.position.map(Vector3::from);
-        Ok(Found { joint: index, position, position_std, axes, pose: self.pose()? })
+        Ok(Found {
+            joint: index,
+            position: self.position.map(Vector3::from),
+            position_std: given.map(|each| each.map(unknown)),
+            axes: self.axes.as_ref().map_or(Ok(Vec::new()), |axes| read_axes(axes, joint))?,
+            gives_axes: self.axes.is_some(),
+            pose: self.pose()?,
+        })
     }
 
     /// The pose of its limb, if one is given.
@@ -321,15 +329,13 @@ impl JointEntry {
     }
 }
 
-/// A degree of freedom, its axis, and the axis' deviation: null where nothing determines it, `None` where none is given.
-type ReadAxis = (usize, Vector3<f64>, Option<Option<f64>>);
-
 /// How many axes a joint has: a ball has none.
 fn axis_count(joint: &Joint) -> usize {
     joint.dofs.iter().filter(|dof| dof.kind != DofKind::Ball).count()
 }
 
-fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String> {
+/// The axes of a joint, as [`Found`] has them.
+fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<(usize, Vector3<f64>, Option<f64>)>, String> {
     if axes.len() != joint.dofs.len() {
         return Err(format!(
             "has {} axes in place of {}: give one for each degree of freedom, in their order",
@@ -370,41 +376,43 @@ fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String>
                  or null"
             ));
         }
-        read.push((k, axis, entry.axis_std));
+        read.push((k, axis, entry.axis_std.map(|std| std.unwrap_or(f64::INFINITY))));
     }
     Ok(read)
 }
 
 /// The schema of joints that are all of a creature's.
 pub(super) fn schema_of_joints(entries: &[JointEntry], creature: &Creature) -> Result<BodySchema, String> {
-    let (given, wanted) = (entries.len(), creature.joints().len());
+    schema_of(&found_joints(entries, creature)?, creature)
+}
+
+fn schema_of(found: &[Found], creature: &Creature) -> Result<BodySchema, String> {
+    let (given, wanted) = (found.len(), creature.joints().len());
     if given != wanted {
         let name = creature.name();
         return Err(format!("it has {given} joints, but {name} has {wanted}: give one of the same joints"));
     }
     let mut schema = BodySchema::zero(creature);
-    let found = found_joints(entries, creature)?;
     if found.iter().any(|found| found.pose.is_some()) {
         schema = schema.with_limb_poses();
     }
-    for Found { joint, position, axes, pose, .. } in found {
-        let lacks =
-            |what: &str| format!("joint \"{}\" has no {what}: give it", creature.joints()[joint].name);
-        schema.positions[joint] = position.ok_or_else(|| lacks("position"))?;
-        if axes.len() != axis_count(&creature.joints()[joint]) {
+    for found in found {
+        let joint = &creature.joints()[found.joint];
+        let lacks = |what: &str| format!("joint \"{}\" has no {what}: give it", joint.name);
+        schema.positions[found.joint] = found.position.ok_or_else(|| lacks("position"))?;
+        if found.axes.len() != axis_count(joint) {
             return Err(lacks("axes"));
         }
-        axes.into_iter().for_each(|(k, axis, _)| schema.axes[k] = axis);
-        if let Some(pose) = pose {
-            schema.limb_poses[joint] = pose;
+        found.axes.iter().for_each(|(k, axis, _)| schema.axes[*k] = *axis);
+        if let Some(pose) = found.pose {
+            schema.limb_poses[found.joint] = pose;
         }
     }
     check(creature, &schema).map(|()| schema)
 }
 
 /// The standard deviations of all joints; `None` if none is given.
-fn std_of(entries: &[JointEntry], creature: &Creature) -> Result<Option<SchemaStd>, String> {
-    let found = found_joints(entries, creature)?;
+fn std_of(found: &[Found], creature: &Creature) -> Result<Option<SchemaStd>, String> {
     let gives = |found: &Found| {
         let axes = found.axes.iter().map(|(.., std)| std.is_some());
         [found.position_std.is_some()].into_iter().chain(axes).collect::<Vec<bool>>()
@@ -424,15 +432,16 @@ fn std_of(entries: &[JointEntry], creature: &Creature) -> Result<Option<SchemaSt
         positions: vec![[None; 3]; creature.joints().len()],
         axes: vec![None; creature.dof_elements()],
     };
+    let known = |std: f64| Some(std).filter(|std| std.is_finite());
     for found in found {
-        std.positions[found.joint] = found.position_std.unwrap_or_default();
-        found.axes.into_iter().for_each(|(k, _, of_axis)| std.axes[k] = of_axis.flatten());
+        std.positions[found.joint] = found.position_std.map_or([None; 3], |each| each.map(known));
+        found.axes.iter().for_each(|(k, _, of_axis)| std.axes[*k] = of_axis.and_then(known));
     }
     Ok(Some(std))
 }
 
 /// What is known of a joint before the first touch; `None` if the file says only that nothing is.
-fn known_joint(found: Found, entry: &JointEntry, creature: &Creature) -> Result<Option<KnownJoint>, String> {
+fn known_joint(found: Found, joint: &Joint) -> Result<Option<KnownJoint>, String> {
     if found.pose.is_some() {
         return Err(
             "has the pose of its limb, so that limbs are in frames of their own: give joints that were learned with \
@@ -440,21 +449,20 @@ fn known_joint(found: Found, entry: &JointEntry, creature: &Creature) -> Result<
                 .into(),
         );
     }
-    // What is exact has no deviation, and of what is unknown it is infinite.
-    let unknown = |std: Option<f64>| std.unwrap_or(f64::INFINITY);
-    let stds = found.position_std.map_or([0.0; 3], |each| each.map(unknown));
-    let position = found.position.map(|position| [position, Vector3::from(stds)]);
-    let axes = found.axes.into_iter().map(|(k, axis, std)| (k, axis, std.map_or(0.0, unknown)));
+    // What is exact has no deviation.
+    let stds = Vector3::from(found.position_std.unwrap_or_default());
+    let position = found.position.map(|position| [position, stds]);
+    let axes = found.axes.into_iter().map(|(k, axis, std)| (k, axis, std.unwrap_or_default()));
     let axes: Vec<(usize, Vector3<f64>, f64)> = axes.collect();
     let all: Vec<f64> = { position.iter().flat_map(|[_, std]| std.iter().copied()) }
         .chain(axes.iter().map(|(.., std)| *std))
         .collect();
     let exact = all.iter().all(|std| *std == 0.0);
-    if exact && (position.is_none() || axes.len() < axis_count(&creature.joints()[found.joint])) {
+    if exact && (position.is_none() || axes.len() < axis_count(joint)) {
         if position.is_none() && axes.is_empty() {
-            return match &entry.axes {
-                None => Err("has neither a position nor axes: give what is known, or leave it out".into()),
-                Some(_) => Ok(None),
+            return match found.gives_axes {
+                false => Err("has neither a position nor axes: give what is known, or leave it out".into()),
+                true => Ok(None),
             };
         }
         let missing = if position.is_none() { "position" } else { "axes" };

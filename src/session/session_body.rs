@@ -10,10 +10,7 @@ use crate::error::Error;
 use crate::session::{Session, SessionOptions, model_hash};
 
 /// A session's creature in its model, or in another that is named; with its textures where they are wanted.
-///
-/// # Errors
-/// Where the file is not one that the engine takes, or not that of the session's creature.
-pub fn session_body(
+pub(crate) fn session_body(
     session: &Session,
     model: Option<&Path>,
     textures: bool,
@@ -52,7 +49,7 @@ pub fn session_body(
 }
 
 /// Whether two creatures have the same limbs, joints and kinds of degrees of freedom.
-pub fn same_tree(a: &Creature, b: &Creature) -> bool {
+pub(crate) fn same_tree(a: &Creature, b: &Creature) -> bool {
     let joints = |creature: &Creature| {
         let parents: Vec<usize> = creature.joints().iter().map(|joint| joint.parent).collect();
         let dofs: Vec<_> = creature.dofs().map(|dof| (dof.name.clone(), dof.kind)).collect();

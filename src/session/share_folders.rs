@@ -8,28 +8,24 @@ use crate::error::Error;
 use crate::share::Share;
 
 /// Where the shares of a folder's work are.
-pub const SHARES_FOLDER: &str = "shares";
+pub(crate) const SHARES_FOLDER: &str = "shares";
 
 /// The shares of a folder's work that were begun.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shares {
+pub(crate) struct Shares {
     of: u64,
     begun: BTreeMap<Share, PathBuf>,
 }
 
 impl Shares {
     /// The folder of a share: `shares/03-of-16`.
-    pub fn folder(of: &Path, share: Share) -> PathBuf {
+    pub(crate) fn folder(of: &Path, share: Share) -> PathBuf {
         let width = share.of().to_string().len();
         of.join(SHARES_FOLDER).join(format!("{:0width$}-of-{}", share.number(), share.of()))
     }
 
     /// Looks for the shares in a folder.
-    ///
-    /// # Errors
-    /// If it cannot be read; or if there are none, or those of work that was
-    /// cut in two ways.
-    pub fn find(folder: &Path) -> Result<Shares, Error> {
+    pub(crate) fn find(folder: &Path) -> Result<Shares, Error> {
         let place = folder.join(SHARES_FOLDER);
         if !place.is_dir() {
             let message = "there are no shares in it: make them with `bodyschema babble … --shard 1/3 --out DIR`, or \
@@ -56,18 +52,13 @@ impl Shares {
         Ok(Shares { of, begun })
     }
 
-    /// How many there are to be.
-    pub fn of(&self) -> u64 {
-        self.of
-    }
-
     /// Those that were begun, and where they are.
-    pub fn begun(&self) -> impl Iterator<Item = (Share, &Path)> {
+    pub(crate) fn begun(&self) -> impl Iterator<Item = (Share, &Path)> {
         self.begun.iter().map(|(share, path)| (*share, path.as_path()))
     }
 
     /// Those that were not.
-    pub fn missing(&self) -> Vec<Share> {
+    pub(crate) fn missing(&self) -> Vec<Share> {
         Share::all(self.of).filter(|share| !self.begun.contains_key(share)).collect()
     }
 }
@@ -93,7 +84,7 @@ mod tests {
         fs::create_dir(place.path().join("shares/notes")).unwrap();
         let shares = Shares::find(place.path()).unwrap();
         let begun: Vec<String> = shares.begun().map(|(share, _)| share.to_string()).collect();
-        assert_eq!((shares.of(), shares.missing().len()), (16, 13));
+        assert_eq!((shares.of, shares.missing().len()), (16, 13));
         assert_eq!(begun, ["1/16", "3/16", "16/16"]);
         assert!(place.path().join("shares/03-of-16").is_dir());
         fs::create_dir(place.path().join("shares/1-of-2")).unwrap();

@@ -128,7 +128,7 @@ impl MadeTrials {
     ///
     /// # Errors
     /// If a file cannot be read, or shares are not of one study.
-    pub fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, Error> {
+    pub(crate) fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, Error> {
         Ok(made_shares::<StudyShare>(shares)?.map(|made| {
             let files = made.iter().flat_map(|(_, folder, share)| share.files(folder)).collect();
             MadeTrials { asked: made[0].2.asked.clone(), files }

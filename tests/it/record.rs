@@ -631,7 +631,7 @@ fn what_cannot_be_written_or_read_is_named() {
     let errors = [
         session().write(&inside).unwrap_err(),
         TouchWriter::create(&inside, &agent).unwrap_err(),
-        LearningTable::create(&inside).err().unwrap(),
+        write_learning_table(&inside, &[]).unwrap_err(),
         write_schema(&inside.join(SCHEMA_FILE), agent.creature(), &schema()).unwrap_err(),
     ];
     for error in errors {
@@ -668,14 +668,13 @@ fn a_full_disk_is_named() {
 #[test]
 fn the_learning_table_has_a_row_per_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
-    let mut table = LearningTable::create(folder.path()).unwrap();
     let rows = [(100, 0.1 + 0.2, f64::NAN), (1000, 5.0, 0.5)].map(|(touches, mean, rms)| LearningRow {
         touches,
         heldout_mean_mm: Some(mean),
         fresh_rms: Some(rms),
         ..LearningRow::default()
     });
-    rows.iter().for_each(|row| table.row(row).unwrap());
+    write_learning_table(folder.path(), &rows).unwrap();
     let text = fs::read_to_string(folder.path().join(LEARNING_FILE)).unwrap();
     let head = "touches,predicted_gap_mm,predicted_deviation_mm,converged,fresh_rms,heldout_mean_mm,heldout_p95_mm,\
                 hand_mean_mm,axis_median_deg\n";

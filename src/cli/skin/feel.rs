@@ -1,7 +1,5 @@
 //! `bodyschema skin feel`: what a creature feels when it is touched.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use rand::SeedableRng;
@@ -12,8 +10,11 @@ use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
+use crate::error::Error;
 use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
-use crate::session::{FiringWriter, SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map};
+use crate::session::{
+    SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map, write_firings, write_whole,
+};
 use crate::simulation::partner::{Script, Strokes, stroke_for};
 use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
 
@@ -120,7 +121,7 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
         root: args.open.root.clone(),
         ..SessionOptions::default()
     };
-    Session {
+    let session = Session {
         engine: stage.body().model.version().to_string(),
         model: args.model.display().to_string(),
         model_hash: model_hash(&args.model)?,
@@ -129,39 +130,31 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
         options,
         agent: stage.agent().clone(),
         ..Session::made_here()
-    }
-    .write(folder)?;
-    let mut firings = FiringWriter::create(folder, creature.name(), skin)?;
-    let path = folder.join(SENSATIONS_FILE);
-    let unwritable =
-        |error| Failure(format!("cannot write {}: {error}: give another folder with --out", path.display()));
-    let mut sensations = BufWriter::new(File::create(&path).map_err(unwritable)?);
-    let (mut recorder, mut fired, mut sensed) = (FiringRecorder::default(), 0u64, 0u64);
+    };
+    let mut recorder = FiringRecorder::default();
+    let (mut firings, mut sensed, mut sensations) = (Vec::new(), 0u64, String::new());
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
     let bar = progress::counted("stroking", (60.0 * minutes).ceil() as u64, "simulated seconds");
     let room = stroke_for(stage, 60.0 * minutes, &mut rng, |stage, time, contacts, events| {
         bar.set_position(time as u64);
-        for firing in recorder.step(time, contacts) {
-            firings.write(&firing)?;
-            fired += 1;
-        }
+        firings.extend(recorder.step(time, contacts));
         for event in events.iter().filter(|event| matches!(event, TouchEvent::Sensed { .. })) {
-            writeln!(sensations, "{}", event_json(stage, time, event)).map_err(unwritable)?;
+            sensations += &format!("{}\n", event_json(stage, time, event));
             sensed += 1;
         }
         Ok::<(), Failure>(())
     })?;
     bar.finish_and_clear();
-    for firing in recorder.rest() {
-        firings.write(&firing)?;
-        fired += 1;
-    }
-    firings.finish()?;
-    sensations.flush().map_err(unwritable)?;
+    firings.extend(recorder.rest());
     if !room {
         return Err(Failure(format!("{}: there is no room to stroke this creature", args.model.display())));
     }
+    session.write(folder)?;
+    write_firings(folder, creature.name(), skin, &firings)?;
+    let path = folder.join(SENSATIONS_FILE);
+    write_whole(&path, sensations.as_bytes()).map_err(Error::unwritable(&path))?;
     lock.commit()?;
+    let fired = firings.len();
     say!(
         "{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {}",
         lock.place().display()

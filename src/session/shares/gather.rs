@@ -14,9 +14,6 @@ pub trait ShareRecord: Sized {
     const OF: &'static str;
 
     /// Reads it from the folder of a share.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or is something else.
     fn read(folder: &Path) -> Result<Self, Error>;
     /// The name of the share, as in `3/16`; `None` if it is no share.
     fn share(&self) -> Option<&str>;
@@ -33,9 +30,6 @@ pub trait ShareRecord: Sized {
     }
 
     /// Whether this record of a folder is that of what is asked for.
-    ///
-    /// # Errors
-    /// If it is not.
     fn check(&self, folder: &Path, asked: &Self) -> Result<(), Error> {
         let why = match self.difference(asked) {
             _ if self.share() != asked.share() => "it is not of the share asked for".to_string(),
@@ -52,7 +46,7 @@ pub trait ShareRecord: Sized {
 
 /// Shares that have to be made before all can be put together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Unready {
+pub(crate) struct Unready {
     /// Those that were not begun, or of which nothing is left.
     pub missing: Vec<Share>,
     /// Those that were interrupted, or are being made.
@@ -63,7 +57,7 @@ pub struct Unready {
 
 impl Unready {
     /// All of them, in their order.
-    pub fn all(&self) -> Vec<Share> {
+    pub(crate) fn all(&self) -> Vec<Share> {
         let mut all: Vec<Share> = self.missing.iter().chain(&self.unfinished).copied().collect();
         all.sort_unstable();
         all
@@ -74,10 +68,7 @@ impl Unready {
 pub type MadeShares<R> = Vec<(Share, PathBuf, R)>;
 
 /// All shares of some work with their records and folders, if all are made; else which are not.
-///
-/// # Errors
-/// If a record cannot be read, or the shares are not all of the same work.
-pub fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<MadeShares<R>, Unready>, Error> {
+pub(crate) fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<MadeShares<R>, Unready>, Error> {
     let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
     let mut made: MadeShares<R> = Vec::new();
     for (share, folder) in shares.begun() {

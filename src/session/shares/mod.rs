@@ -7,9 +7,8 @@
 mod gather;
 mod together;
 
-pub use gather::Unready;
-pub(crate) use gather::{MadeShares, ShareRecord, made_shares};
-pub use together::BabbledShares;
+pub(crate) use gather::{MadeShares, ShareRecord, Unready, made_shares};
+pub(crate) use together::BabbledShares;
 
 use std::path::Path;
 

@@ -12,33 +12,27 @@ use crate::session::{Session, Shares, TOUCHES_FILE, read_touches};
 use crate::share::Share;
 
 /// Shares that are all made, of one session.
-pub struct BabbledShares(MadeShares<Session>);
+pub(crate) struct BabbledShares(MadeShares<Session>);
 
 impl BabbledShares {
     /// The shares in a folder, if all are made; else which are not.
-    ///
-    /// # Errors
-    /// If a file cannot be read, or the shares are not all of one session.
-    pub fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, Error> {
+    pub(crate) fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, Error> {
         Ok(made_shares(shares)?.map(BabbledShares))
     }
 
     /// The session that they are of, as the first share has it.
-    pub fn session(&self) -> &Session {
+    pub(crate) fn session(&self) -> &Session {
         &self.0[0].2
     }
 
     /// The time that all of them took to babble.
-    pub fn spent(&self) -> Duration {
+    pub(crate) fn spent(&self) -> Duration {
         let effort = self.0.iter().filter_map(|(_, _, session)| session.effort);
         let spent = effort.map(|effort| Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default());
         spent.fold(Duration::ZERO, Duration::saturating_add)
     }
 
     /// Reads all that was made; what it gives hands out each bout once, by its number.
-    ///
-    /// # Errors
-    /// If a log cannot be read or is not what its share's other files say.
     pub(in crate::session) fn bouts(
         &self,
         agent: &Agent,

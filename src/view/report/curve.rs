@@ -21,11 +21,11 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let limits = of_checkpoints(|checkpoint| checkpoint.bound_rms);
     let initial_guess = input.checkpoints.iter().find(|checkpoint| checkpoint.touches == 0);
     let initial_guess = initial_guess.and_then(|checkpoint| checkpoint.error_rms).map(drawn);
-    let predictions = input.predictions.iter();
-    let predicted: Vec<[f64; 3]> = predictions
-        .filter(|prediction| prediction.gap.is_finite() && prediction.deviation.is_finite())
-        .map(|prediction| [prediction.touch as f64, drawn(prediction.gap), drawn(prediction.deviation)])
-        .collect();
+    let prediction = |row: &crate::session::LearningRow| {
+        let (gap, deviation) = (row.predicted_gap_mm?, row.predicted_deviation_mm?);
+        Some([row.touches as f64, drawn(gap), drawn(deviation)])
+    };
+    let predicted: Vec<[f64; 3]> = input.predictions.iter().filter_map(prediction).collect();
     let predicted = thinned(predicted, MOST_DOTS);
     let x = || errors.iter().chain(&limits).map(|p| p[0]).chain(predicted.iter().map(|p| p[0]));
     let y = errors.iter().chain(&limits).map(|p| p[1]).chain(initial_guess);

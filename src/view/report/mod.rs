@@ -20,7 +20,7 @@ use crate::ground_truth::GroundTruth;
 use crate::learning::Account;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::RecordedTouch;
-use crate::session::{Checkpoint, Prediction, SpaceRecord};
+use crate::session::{Checkpoint, LearningRow, SpaceRecord};
 use crate::view::page;
 use crate::view::text::escape;
 pub use session::{REPORT_FILE, write_report};
@@ -47,8 +47,8 @@ pub struct ReportInput<'a> {
     pub residuals: &'a ContactResiduals,
     /// The schema on the way, from the initial guess on; every schema must fit the creature.
     pub checkpoints: &'a [Checkpoint],
-    /// What the learner predicted of touches.
-    pub predictions: &'a [Prediction],
+    /// The rows of the table of learning, which have what the learner predicted of touches.
+    pub predictions: &'a [LearningRow],
     /// Where the hands can get to, once that was worked out.
     pub space: Option<&'a SpaceRecord>,
     /// The session's seed.

@@ -8,7 +8,7 @@ use crate::evaluation::{ContactResiduals, Evaluation, evaluate_claims};
 use crate::ground_truth::GroundTruth;
 use crate::senses::RecordedTouch;
 use crate::session::{
-    Host, LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_predictions,
+    Host, LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_learning_table,
     read_schema_with_std, write_whole,
 };
 use crate::view::text::shell_words;
@@ -47,7 +47,7 @@ pub fn write_report(
     let asked = session.options.input.as_deref().and_then(|input| input.parse().ok());
     let input = asked.unwrap_or(recorded);
     let residuals = ContactResiduals::new(agent, &schema, input, touches);
-    let predictions = read_predictions(folder)?;
+    let predictions = read_learning_table(folder)?;
     let space = SpaceRecord::read(folder)?;
     let report = ReportInput {
         agent,

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use bodyschema::agent::Agent;
 use bodyschema::senses::Firing;
 use bodyschema::session::{
-    BabblingProgress, BoutLine, BoutLog, FiringWriter, LearningRecord, Session, SpaceRecord, SpaceSlice,
-    read_bouts, read_calibration_log, read_creature, read_firings, read_known, read_learning_table, read_map,
-    read_predictions, read_recording, read_robot, read_schema_with_std, read_touches, write_map,
+    BabblingProgress, BoutLine, BoutLog, LearningRecord, Session, SpaceRecord, SpaceSlice, read_bouts,
+    read_calibration_log, read_creature, read_firings, read_known, read_learning_table, read_map,
+    read_recording, read_robot, read_schema_with_std, read_touches, write_firings, write_map,
 };
 use bodyschema::simulation::partner::Script;
 use bodyschema::skin::SomatotopicMap;
@@ -244,12 +244,7 @@ impl Yard {
             "learning.csv",
             &self.of_session("learning.csv"),
             5,
-            Box::new(|path| {
-                taken(
-                    read_learning_table(within(path))
-                        .and_then(|rows| Ok((rows, read_predictions(within(path))?))),
-                )
-            }),
+            Box::new(|path| taken(read_learning_table(within(path)))),
         );
         let slice = SpaceSlice {
             name: "from above".into(),
@@ -305,13 +300,12 @@ impl Yard {
         let good = fs::read(folder.join("study-share.json")).unwrap();
         let read = |path: &Path| taken(StudyShare::read(within(path)));
         add("share of a study", "study-share.json", &good, 2, Box::new(read));
-        let mut firings = FiringWriter::create(&folder, creature.name(), agent.skin()).unwrap();
-        for k in 0..6 {
-            firings
-                .write(&Firing { receptor: k % 3, span: [0.1 * k as f64, 0.1 * k as f64 + 0.05] })
-                .unwrap();
-        }
-        firings.finish().unwrap();
+        let firings = (0..6).map(|k| {
+            let first = 0.1 * k as f64;
+            Firing { receptor: k % 3, span: [first, first + 0.05] }
+        });
+        let firings: Vec<Firing> = firings.collect();
+        write_firings(&folder, creature.name(), agent.skin(), &firings).unwrap();
         let good = fs::read(folder.join("firings.jsonl")).unwrap();
         let of = agent.clone();
         add(
