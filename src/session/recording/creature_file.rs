@@ -69,9 +69,12 @@ fn parse(mut file: Value) -> Result<CreatureFile, String> {
         Some(creature) => (creature, "creature."),
         None => (file, ""),
     };
-    let names = Names::of(&creature)?;
+    let mut names = Names::of(&creature)?;
     names.resolve_creature(&mut creature, at)?;
     let creature: Creature = typed(creature, at)?;
+    if let Some(slide) = names.endless {
+        return Err(format!("{slide} is a slide and has no range: give its ends in metres"));
+    }
     let mut skin = skin.unwrap_or(json!({ "receptors": [] }));
     for list in ["receptors", "surfaces"] {
         names.resolve_limbs(&mut skin, list, "limb", "skin.")?;
@@ -101,6 +104,8 @@ fn list<'v>(value: &'v mut Value, field: &str) -> impl Iterator<Item = &'v mut V
 struct Names {
     limbs: Option<Vec<String>>,
     dofs: Option<Vec<String>>,
+    /// The place of a slide without a range, which is told once all else is right: the range may only be misspelt.
+    endless: Option<String>,
 }
 
 impl Names {
@@ -130,7 +135,7 @@ impl Names {
                     "joint {name} has no degrees of freedom: what does not move is a part of its parent limb, leave it out"
                 ))
             }
-            _ => Ok(Names { limbs, dofs }),
+            _ => Ok(Names { limbs, dofs, endless: None }),
         }
     }
 
@@ -148,12 +153,13 @@ impl Names {
     }
 
     /// Puts indices in place of all names in a description of a creature, and fills in the ranges that are left out.
-    fn resolve_creature(&self, creature: &mut Value, at: &str) -> Result<(), String> {
+    fn resolve_creature(&mut self, creature: &mut Value, at: &str) -> Result<(), String> {
         self.resolve_limbs(creature, "joints", "parent", at)?;
         self.resolve_limbs(creature, "joints", "limb", at)?;
         for (j, joint) in list(creature, "joints").enumerate() {
             let carried = joint.as_object_mut().and_then(|joint| joint.remove("limb"));
-            if carried.is_some_and(|limb| !limb.is_null() && limb != json!(j + 1)) {
+            let other = carried.is_some_and(|limb| !limb.is_null() && limb != json!(j + 1));
+            if other && self.limbs.is_some() {
                 let name =
                     self.limbs.as_ref().and_then(|limbs| limbs.get(j + 1)).map_or("none", String::as_str);
                 return Err(format!(
@@ -174,13 +180,14 @@ impl Names {
     }
 
     /// Puts an index in place of the name of what a degree of freedom follows, and fills in its range.
-    fn complete_dof(&self, dof: &mut Value, place: &str) -> Result<(), String> {
+    fn complete_dof(&mut self, dof: &mut Value, place: &str) -> Result<(), String> {
         if dof.get("range").is_none_or(Value::is_null) {
             match dof["kind"].as_str() {
                 Some("hinge") => dof["range"] = json!([-PI, PI]),
                 Some("ball") => dof["range"] = json!([0.0, PI]),
                 Some("slide") => {
-                    return Err(format!("{place} is a slide and has no range: give its ends in metres"));
+                    dof["range"] = json!([0.0, 0.0]);
+                    self.endless.get_or_insert(place.to_string());
                 }
                 // Another kind, or none, is no kind of the type's.
                 _ => {}
