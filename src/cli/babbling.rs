@@ -17,8 +17,8 @@ use super::{Failure, Outcome};
 use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
 use crate::session::{
-    BabbledSession, BabbledShares, BabblingSession, Embodied, FolderLock, Observer, Observers,
-    SessionRequest, SessionSetup,
+    BabbledSession, BabbledShares, BabblingSession, Embodied, FolderLock, Observer, SessionRequest,
+    SessionSetup,
 };
 use crate::share::Share;
 use crate::simulation::MotionName;
@@ -235,8 +235,8 @@ impl Prepared {
 }
 
 /// Who looks on: progress bars, and the page if there is one.
-fn observers<'a>(bars: &'a Bars, live: Option<&'a Live>) -> Observers<'a> {
+fn observers<'a>(bars: &'a Bars, live: Option<&'a Live>) -> Vec<&'a dyn Observer> {
     let mut all: Vec<&dyn Observer> = vec![bars];
     all.extend(live.map(|live| live.view() as &dyn Observer));
-    Observers(all)
+    all
 }

@@ -97,29 +97,23 @@ impl LearningOptions {
         }
     }
 
-    /// These options with what a file says of a creature's joints: a `schema.json`, whole or with some of them.
-    fn with_known(self, path: &Path, creature: &Creature) -> Result<LearningOptions, Error> {
-        self.check_frames(creature, true)?;
-        if !self.learner.uses().known_joints {
-            return Err(Error::unfit(
-                path,
-                format!(
-                    "the learner {} takes no prior knowledge: use --learner {}, or leave out --known",
-                    self.learner.name(),
-                    learners_that(|uses| uses.known_joints)
-                ),
-            ));
-        }
-        let joints = read_known(path, creature)?;
-        Ok(LearningOptions { known: Some(KnownFile { path: path.to_path_buf(), joints }), ..self })
-    }
-
-    /// These options for a creature, with what a file says of its joints if there is one.
+    /// These options for a creature, with what a file says of its joints if there is one: a `schema.json`, whole or with some
+    /// of them.
     pub(crate) fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
-        let options = match known {
-            Some(path) => self.with_known(path, creature)?,
-            None => self,
-        };
+        let mut options = self;
+        if let Some(path) = known {
+            options.check_frames(creature, true)?;
+            if !options.learner.uses().known_joints {
+                let reason = format!(
+                    "the learner {} takes no prior knowledge: use --learner {}, or leave out --known",
+                    options.learner.name(),
+                    learners_that(|uses| uses.known_joints)
+                );
+                return Err(Error::unfit(path, reason));
+            }
+            let joints = read_known(path, creature)?;
+            options.known = Some(KnownFile { path: path.to_path_buf(), joints });
+        }
         options.check(creature)?;
         Ok(options)
     }

@@ -68,7 +68,7 @@ pub use map_file::{read_map, write_map};
 #[cfg_attr(not(feature = "cli"), allow(unused_imports))]
 pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use model_hash::model_hash;
-pub use observer::{LearningStep, Observer, Observers, Phase};
+pub use observer::{LearningStep, Observer, Phase};
 pub use own_body::own_body;
 pub(crate) use own_body::{hands, learned_body};
 pub(crate) use part_file::{MadeFolders, PartFile, folder_of, write_whole};

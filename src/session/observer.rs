@@ -25,27 +25,25 @@ pub trait Observer {
 impl Observer for () {}
 
 /// Several look on.
-pub struct Observers<'a>(pub Vec<&'a dyn Observer>);
-
-impl Observer for Observers<'_> {
+impl Observer for Vec<&dyn Observer> {
     fn note(&self, sentence: &str) {
-        self.0.iter().for_each(|observer| observer.note(sentence));
+        self.iter().for_each(|observer| observer.note(sentence));
     }
 
     fn phase(&self, phase: Phase) {
-        self.0.iter().for_each(|observer| observer.phase(phase));
+        self.iter().for_each(|observer| observer.phase(phase));
     }
 
     fn touched(&self, touch: &RecordedTouch) {
-        self.0.iter().for_each(|observer| observer.touched(touch));
+        self.iter().for_each(|observer| observer.touched(touch));
     }
 
     fn grew(&self, growth: &Growth) {
-        self.0.iter().for_each(|observer| observer.grew(growth));
+        self.iter().for_each(|observer| observer.grew(growth));
     }
 
     fn learned(&self, step: &LearningStep) {
-        self.0.iter().for_each(|observer| observer.learned(step));
+        self.iter().for_each(|observer| observer.learned(step));
     }
 }
 
