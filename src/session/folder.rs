@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::part_file::{MadeFolders, open_locked, sync_folder};
+use super::part_file::{MadeFolders, PATIENCE, TRIED_EVERY, lock, open_locked, sync_folder};
 use super::{SCHEMA_FILE, SPACE_FILE};
 
 /// The file that is locked, in a folder that is being written. It names its writer and is removed with the lock; the one
@@ -34,10 +34,6 @@ const MADE_OF_SCHEMA: [&str; 1] = [SPACE_FILE];
 const NAMING: Duration = Duration::from_millis(20);
 /// How long a lock may be held on: a child that a killed process was just starting holds it until it has begun.
 const LETTING_GO: Duration = Duration::from_secs(1);
-/// How long readers and writers wait for each other; reading and moving take seconds at most.
-const PATIENCE: Duration = Duration::from_secs(60);
-/// How often they look whether the other has finished.
-const LOOKED_EVERY: Duration = Duration::from_millis(2);
 
 /// A folder that no other process writes to while this lives.
 ///
@@ -240,7 +236,7 @@ impl ReadLock {
             drop(opened);
             match FolderLock::take(folder) {
                 // The one that has it may be just putting it in order.
-                Err(error) if error.is_busy() && began.elapsed() < PATIENCE => sleep(LOOKED_EVERY),
+                Err(error) if error.is_busy() && began.elapsed() < PATIENCE => sleep(TRIED_EVERY),
                 Ok(_) => {}
                 Err(error) => {
                     let message = format!(
@@ -255,20 +251,14 @@ impl ReadLock {
 }
 
 /// Waits until nobody reads a folder, and keeps readers away while the result lives, as far as there are locks on folders.
-fn wait_for_readers(folder: &Path) -> Result<Option<File>, Error> {
+fn wait_for_readers(folder: &Path) -> Result<File, Error> {
     let opened = File::open(folder).map_err(Error::unreadable(folder))?;
-    let began = Instant::now();
-    loop {
-        match opened.try_lock() {
-            Ok(()) => return Ok(Some(opened)),
-            Err(TryLockError::Error(_)) => return Ok(None),
-            Err(TryLockError::WouldBlock) if began.elapsed() < PATIENCE => sleep(LOOKED_EVERY),
-            Err(TryLockError::WouldBlock) => {
-                let what = "a process goes on reading it, so that nothing in it can be replaced: end it, and try again";
-                return Err(Error::new(Kind::Busy, what).at(folder, None));
-            }
-        }
-    }
+    lock(&opened, PATIENCE).map_err(|_| {
+        let what =
+            "a process goes on reading it, so that nothing in it can be replaced: end it, and try again";
+        Error::new(Kind::Busy, what).at(folder, None)
+    })?;
+    Ok(opened)
 }
 
 /// Moves new files to their places once all are written. It may have been begun, and ended, at any step before.

@@ -6,10 +6,10 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How long another process may write the same file.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long another process may write the same file, or read a folder in which files are to be replaced.
+pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 /// How often a lock is tried.
-const TRIED_EVERY: Duration = Duration::from_millis(5);
+pub(super) const TRIED_EVERY: Duration = Duration::from_millis(2);
 
 /// A new file beside the place that it is to have, so that no reader sees half of it. It is locked while it is written; one
 /// that a killed process left is written anew by the next. What is not put in its place is removed.
@@ -68,22 +68,26 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Opens a file, which is made if missing, and locks it; [`io::ErrorKind::WouldBlock`] if another process has it for so
 /// long. It is the file at its place, and not one that another process has just removed or renamed.
 pub(super) fn open_locked(path: &Path, patience: Duration) -> io::Result<File> {
-    let began = Instant::now();
     loop {
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) if began.elapsed() < patience => {
-                std::thread::sleep(TRIED_EVERY);
-                continue;
-            }
-            Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
-            // Without locks, nobody else can be kept away.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-        }
+        lock(&file, patience)?;
         let id = |about: fs::Metadata| (about.dev(), about.ino());
         let own = file.metadata().map(id)?;
         if fs::metadata(path).is_ok_and(|there| id(there) == own) {
             return Ok(file);
+        }
+    }
+}
+
+/// Locks an open file or folder; [`io::ErrorKind::WouldBlock`] if another process has it for so long. Where there are no locks,
+/// nobody else can be kept away.
+pub(super) fn lock(file: &File, patience: Duration) -> io::Result<()> {
+    let began = Instant::now();
+    loop {
+        match file.try_lock() {
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(()),
+            Err(TryLockError::WouldBlock) if began.elapsed() < patience => std::thread::sleep(TRIED_EVERY),
+            Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
         }
     }
 }
