@@ -93,13 +93,15 @@ struct Found {
     position: Option<Vector3<f64>>,
     /// `None` if the file gives no deviation.
     position_std: Option<[f64; 3]>,
-    /// Degrees of freedom by their index, the axis and its deviation, if the file gives one.
-    axes: Vec<(usize, Vector3<f64>, Option<f64>)>,
+    axes: Vec<ReadAxis>,
     /// Whether the file says anything of axes.
     gives_axes: bool,
     /// The pose of its limb, if it is given.
     pose: Option<Frame>,
 }
+
+/// A degree of freedom by its index, its axis, and the axis' deviation, if the file gives one.
+type ReadAxis = (usize, Vector3<f64>, Option<f64>);
 
 /// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
 ///
@@ -335,7 +337,7 @@ fn axis_count(joint: &Joint) -> usize {
 }
 
 /// The axes of a joint, as [`Found`] has them.
-fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<(usize, Vector3<f64>, Option<f64>)>, String> {
+fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String> {
     if axes.len() != joint.dofs.len() {
         return Err(format!(
             "has {} axes in place of {}: give one for each degree of freedom, in their order",
