@@ -100,9 +100,8 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, Error> {
         let message = format!("it holds no touch{why}: give one with a touch a line");
         return Err(Error::content(path, None, message));
     }
-    posture::refuse_degrees(path, creature, &touches)?;
-    let mut notes: Vec<String> = table.notes().chain(left_out).collect();
-    notes.extend(posture::notes(creature, &touches));
+    let odd = posture::check(path, creature, &touches)?;
+    let mut notes: Vec<String> = table.notes().chain(left_out).chain(odd).collect();
     notes.extend(columns.and_then(|columns| columns.note()));
     let mut recording = resolve(path, agent, &touches)?;
     let rows = recording.touches.len();

@@ -38,93 +38,81 @@ fn of_kind(creature: &Creature, kind: DofKind) -> impl Iterator<Item = DofElemen
     creature.elements().filter(move |element| element.kind == kind)
 }
 
-/// What a log tells of every hinge.
-fn hinges<'a>(creature: &'a Creature, touches: &[RawTouch]) -> Vec<HingeAngles<'a>> {
-    let angles = |at: usize| touches.iter().map(|touch| (touch.line, touch.posture[at])).collect();
-    { of_kind(creature, DofKind::Hinge) }
+/// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have; what else looks odd,
+/// in sentences: coordinates beyond their ranges, points far from their limbs.
+pub(super) fn check(path: &Path, creature: &Creature, touches: &[RawTouch]) -> Result<Vec<String>, Error> {
+    let values = |at: usize| touches.iter().map(move |touch| (touch.line, touch.posture[at]));
+    let hinges: Vec<HingeAngles> = of_kind(creature, DofKind::Hinge)
         .map(|hinge| {
             let dof = hinge.dof();
-            HingeAngles { name: &dof.name, range: dof.range, angles: angles(hinge.coordinate()) }
+            HingeAngles { name: &dof.name, range: dof.range, angles: values(hinge.coordinate()).collect() }
         })
-        .collect()
-}
-
-/// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have.
-pub(super) fn refuse_degrees(path: &Path, creature: &Creature, touches: &[RawTouch]) -> Result<(), Error> {
-    let hinges = hinges(creature, touches);
-    for hinge in &hinges {
-        if let Some((line, angle)) = hinge.degrees() {
-            let message = format!(
-                "{} is {angle}, and most angles are beyond a full turn of 6.283 radians: they look like degrees, convert \
-                 them to radians, and the range as well, or take whole turns off",
-                hinge.name
-            );
-            return Err(Error::content(path, Some(line), message));
+        .collect();
+    if let Some((hinge, (line, angle))) = hinges.iter().find_map(|hinge| Some((hinge, hinge.degrees()?))) {
+        let message = format!(
+            "{} is {angle}, and most angles are beyond a full turn of 6.283 radians: they look like degrees, convert \
+             them to radians, and the range as well, or take whole turns off",
+            hinge.name
+        );
+        return Err(Error::content(path, Some(line), message));
+    }
+    if let Some((line, message)) = hinges.iter().find_map(HingeAngles::impossible) {
+        return Err(Error::content(path, Some(line), message));
+    }
+    let ranges = hinges.iter().map(|hinge| (hinge.name, hinge.range));
+    let mut notes: Vec<String> = wide_ranges(ranges).into_iter().collect();
+    let angles = hinges.iter().map(Some).chain(std::iter::repeat(None));
+    let dofs = of_kind(creature, DofKind::Hinge).chain(of_kind(creature, DofKind::Slide));
+    for (at, angles) in dofs.zip(angles) {
+        let [low, high] = at.range;
+        let values = || values(at.coordinate()).map(|(_, x)| x);
+        let beyond = values().filter(|x| *x < low - BEYOND || *x > high + BEYOND).count();
+        if beyond as f64 > BEYOND_SHARE * touches.len() as f64 {
+            let [least, most] =
+                [values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max)];
+            notes.push(format!(
+                "{} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of {} \
+                 touches: mend the range in the creature's file, or the angles' sign or zero",
+                at.name,
+                touches.len()
+            ));
+        } else {
+            notes.extend(angles.and_then(HingeAngles::note));
         }
     }
-    match hinges.iter().find_map(HingeAngles::impossible) {
-        Some((line, message)) => Err(Error::content(path, Some(line), message)),
-        None => Ok(()),
-    }
+    notes.extend(far_points(touches));
+    Ok(notes)
 }
 
-/// The first point that is far from its limb for a point of it, as a sentence.
-fn far_point(touches: &[RawTouch]) -> Option<String> {
-    let mut of_limbs: BTreeMap<&str, Vec<(usize, f64)>> = BTreeMap::new();
+/// The first point that is far from its limb for a point of it, and points that are all far, as sentences.
+fn far_points(touches: &[RawTouch]) -> impl Iterator<Item = String> {
+    let (mut of_limbs, mut all) = (BTreeMap::<&str, Vec<(usize, f64)>>::new(), Vec::new());
     for (touch, end) in touches.iter().flat_map(|touch| touch.ends.iter().map(move |end| (touch, end))) {
-        if let (Some(limb), Some(point)) = (&end.limb, end.point) {
-            of_limbs.entry(limb).or_default().push((touch.line, point.norm()));
+        let Some(distance) = end.point.map(|point| point.norm()) else { continue };
+        all.push(distance);
+        if let Some(limb) = &end.limb {
+            of_limbs.entry(limb).or_default().push((touch.line, distance));
         }
     }
-    of_limbs.into_iter().find_map(|(limb, points)| {
-        let mut distances: Vec<f64> = points.iter().map(|(_, distance)| *distance).collect();
-        distances.sort_by(f64::total_cmp);
-        let usual = distances[distances.len() / 2].max(LEAST);
+    let one = of_limbs.into_iter().find_map(|(limb, points)| {
+        let usual = median(points.iter().map(|(_, distance)| *distance).collect())?.max(LEAST);
         let (line, far) = points.into_iter().find(|(_, distance)| *distance > FAR * usual)?;
         Some(format!(
             "on line {line} the point on {limb} is {far:.3} m from its origin, and half of its points are within {usual:.3} m: \
              mend it, or leave the touch out"
         ))
-    })
-}
-
-/// What looks odd about a log: coordinates beyond their ranges, points far from their limbs.
-pub(super) fn notes(creature: &Creature, touches: &[RawTouch]) -> Vec<String> {
-    let ranges =
-        of_kind(creature, DofKind::Hinge).map(|hinge| (hinge.dof().name.as_str(), hinge.dof().range));
-    let mut notes: Vec<String> = wide_ranges(ranges).into_iter().collect();
-    let hinges = hinges(creature, touches);
-    let dofs = of_kind(creature, DofKind::Hinge).chain(of_kind(creature, DofKind::Slide));
-    for at in dofs {
-        let (dof, place, [low, high]) = (at.dof(), at.coordinate(), at.range);
-        let values = || touches.iter().map(|touch| touch.posture[place]);
-        let beyond = values().filter(|x| *x < low - BEYOND || *x > high + BEYOND).count();
-        if beyond as f64 > BEYOND_SHARE * touches.len() as f64 {
-            let (least, most) = values()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
-            notes.push(format!(
-                "{} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of {} \
-                 touches: mend the range in the creature's file, or the angles' sign or zero",
-                dof.name,
-                touches.len()
-            ));
-        } else if let Some(note) =
-            hinges.iter().find(|hinge| hinge.name == dof.name).and_then(HingeAngles::note)
-        {
-            notes.push(note);
-        }
-    }
-    notes.extend(far_point(touches));
-    let mut distances: Vec<f64> =
-        touches.iter().flat_map(|touch| &touch.ends).filter_map(|end| end.point).map(|p| p.norm()).collect();
-    distances.sort_by(f64::total_cmp);
-    if let Some(&median) = distances.get(distances.len() / 2)
-        && median > FAR
-    {
-        notes.push(format!(
+    });
+    let millimetres = median(all).filter(|median| *median > FAR).map(|median| {
+        format!(
             "half of the points are more than {median:.0} m from their limb's origin: if they are in millimetres, \
              convert them to metres"
-        ));
-    }
-    notes
+        )
+    });
+    one.into_iter().chain(millimetres)
+}
+
+/// The middle one of some numbers.
+fn median(mut numbers: Vec<f64>) -> Option<f64> {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
 }
