@@ -11,7 +11,6 @@ mod babbling;
 mod bout_log;
 mod disturbance_levels;
 mod embodied;
-mod fields;
 pub(crate) mod files;
 mod firing_log;
 mod folder;

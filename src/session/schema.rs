@@ -7,11 +7,12 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 
 use super::stamp::Stamp;
-use super::{SESSION_FILE, UNIT_LENGTH, fields::check_fields, files, mistaken};
+use super::{SESSION_FILE, UNIT_LENGTH, files, mistaken};
 use crate::creature::{Creature, Dof, DofKind, Joint};
 use crate::error::Error;
 use crate::geometry::Frame;
 use crate::learning::KnownJoint;
+use crate::named::did_you_mean;
 use crate::plausible::{GREATEST_LEARNED, GREATEST_LENGTH, is_deviation};
 use crate::schema::{BodySchema, SchemaStd};
 
@@ -241,6 +242,15 @@ fn check_all_fields(file: &Map<String, Value>) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Refuses an object with a field that is none of `known`; `at` stands before its name, with a dot where it is a place.
+fn check_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), String> {
+    let Some(unknown) = map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
+    let near = did_you_mean(unknown, known.iter().copied());
+    let meant = near.map_or(String::new(), |near| format!(" (is {near} meant?)"));
+    let fields = known.join(", ");
+    Err(format!("{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}"))
 }
 
 fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), String> {
