@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::part_file::write_whole;
+use super::part_file::{folder_of, write_whole};
 use crate::error::Error;
 use crate::given_file;
 
@@ -24,9 +24,10 @@ pub(super) fn open(path: &Path) -> Result<File, Error> {
     given_file::open(path).map_err(Error::unreadable(path))
 }
 
-/// Writes a value as JSON that people can read, whole or not at all.
+/// Writes a value as JSON that people can read, whole or not at all; its folder is made if missing.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
     let json = serde_json::to_string_pretty(value).map_err(|error| Error::unwritable(path)(error.into()))?;
+    make_folder(folder_of(path))?;
     write_whole(path, (on_lines(&json) + "\n").as_bytes()).map_err(Error::unwritable(path))
 }
 

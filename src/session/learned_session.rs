@@ -19,7 +19,7 @@ use crate::schema::BodySchema;
 use crate::senses::DisturbedSenses;
 use crate::session::{
     Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, PROGRAM, RecordedAccount, SCHEMA_FILE,
-    Session, write_learning_table, write_schema_with_std, write_whole,
+    Session, write_learning_table, write_schema, write_whole,
 };
 
 /// What learning from a session came to.
@@ -166,7 +166,7 @@ fn write(
     record: &LearningRecord,
 ) -> Result<(), Error> {
     let std = learned.schema_std(creature);
-    write_schema_with_std(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
+    write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     let path = folder.join(LEARNED_FILE);
     let model = to_mjcf(agent, &learned.schema);
     write_whole(&path, model.as_bytes()).map_err(Error::unwritable(&path))?;

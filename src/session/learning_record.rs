@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::account::{AccountEntry, RecordedAccount};
 use super::schema::{JointEntry, joint_entries, schema_of_joints};
 use super::stamp::Stamp;
-use super::{Host, LEARNED_RECORD_FILE, files};
+use super::{Host, LEARNED_RECORD_FILE};
 use crate::creature::Creature;
 use crate::error::Error;
 use crate::evaluation::CramerRaoBound;
@@ -195,7 +195,6 @@ impl LearningRecord {
             account: self.account.as_ref().map(|account| AccountEntry::new(account, creature)),
             checkpoints: self.checkpoints.iter().map(entry).collect(),
         };
-        files::make_folder(folder)?;
         STAMP.write(&folder.join(LEARNED_RECORD_FILE), &content)
     }
 

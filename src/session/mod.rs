@@ -80,7 +80,7 @@ pub use robot::{
     is_mjcf, read_calibration_log, read_robot,
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
-pub use schema::{read_known, read_schema, read_schema_with_std, write_schema, write_schema_with_std};
+pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
 pub(crate) use session_body::{same_tree, session_body};
 pub use session_file::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub(crate) use share_folders::{SHARES_FOLDER, Shares};

@@ -104,22 +104,13 @@ struct Found {
 /// A degree of freedom by its index, its axis, and the axis' deviation, if the file gives one.
 type ReadAxis = (usize, Vector3<f64>, Option<f64>);
 
-/// Writes a creature's schema to the file `path`, whole or not at all; its folder is made if missing.
+/// Writes a creature's schema to the file `path`, whole or not at all, with the standard deviations of the positions and axes
+/// if these are known; its folder is made if missing.
 ///
 /// # Errors
-/// If the file cannot be written, and for a schema that
-/// could not be read again: of another shape than the creature's, not finite, or with axes that are
-/// not of unit length.
-pub fn write_schema(path: &Path, creature: &Creature, schema: &BodySchema) -> Result<(), Error> {
-    write_schema_with_std(path, creature, schema, None)
-}
-
-/// Like [`write_schema`], with the standard deviations of the positions and axes if these are known.
-///
-/// # Errors
-/// Those of [`write_schema`], and for deviations of another shape than the
-/// creature's.
-pub fn write_schema_with_std(
+/// If the file cannot be written, and for a schema that could not be read again: of another shape than the creature's or its
+/// deviations, not finite, or with axes that are not of unit length.
+pub fn write_schema(
     path: &Path,
     creature: &Creature,
     schema: &BodySchema,
@@ -132,9 +123,6 @@ pub fn write_schema_with_std(
     }
     check(creature, schema).map_err(|message| Error::content(path, None, message))?;
     let joints = joint_entries(creature, schema, std);
-    if let Some(folder) = path.parent() {
-        files::make_folder(folder)?;
-    }
     STAMP.write(path, &SchemaFile { creature: Some(creature.name().into()), joints })
 }
 

@@ -142,9 +142,7 @@ impl Session {
     /// # Errors
     /// If the folder or the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
-        let path = folder.join(SESSION_FILE);
-        files::make_folder(folder)?;
-        STAMP.write(&path, self)
+        STAMP.write(&folder.join(SESSION_FILE), self)
     }
 
     /// Reads [`SESSION_FILE`] of `folder`.

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::SPACE_FILE;
 use super::stamp::Stamp;
-use super::{SPACE_FILE, files};
 use crate::error::Error;
 use crate::plausible::{GREATEST_LENGTH, is_length};
 
@@ -61,7 +61,6 @@ impl SpaceRecord {
     /// # Errors
     /// If the folder or the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
-        files::make_folder(folder)?;
         STAMP.write(&folder.join(SPACE_FILE), self)
     }
 

@@ -325,7 +325,7 @@ fn a_schema_with_limbs_poses_survives_its_file_and_a_wrong_file_is_told_from_it(
     schema.limb_poses[3] = Frame::identity();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("schema.json");
-    write_schema(&path, creature, &schema).unwrap();
+    write_schema(&path, creature, &schema, None).unwrap();
     let read = read_schema(&path, creature).unwrap();
     assert_eq!((&read.positions, &read.axes), (&schema.positions, &schema.axes));
     for (a, b) in read.limb_poses.iter().zip(&schema.limb_poses) {
@@ -346,7 +346,7 @@ fn a_schema_with_limbs_poses_survives_its_file_and_a_wrong_file_is_told_from_it(
     let message = refused(&|joint| drop(joint.as_object_mut().unwrap().remove("limb_position")));
     assert!(message.contains("both or none"), "{message}");
     // Without poses nothing of them is in the file.
-    write_schema(&path, creature, &truth).unwrap();
+    write_schema(&path, creature, &truth, None).unwrap();
     json = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
     assert!(json["joints"][2].get("limb_quaternion").is_none());
     assert_eq!(read_schema(&path, creature).unwrap(), truth);

@@ -9,7 +9,7 @@ use bodyschema::creature::Creature;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Input, KnownJoint, Learner, PriorKnowledge, SecondOrder, Verdict};
 use bodyschema::schema::SchemaStd;
-use bodyschema::session::{read_known, read_schema, write_schema, write_schema_with_std};
+use bodyschema::session::{read_known, read_schema, write_schema};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
@@ -119,7 +119,7 @@ fn a_schema_file_keeps_its_deviations_and_is_a_file_of_known_joints() {
         axes: vec![Some(0.01); schema.axes.len()],
     };
     std.axes[3] = None;
-    write_schema_with_std(&path, &body.creature, &schema, Some(&std)).unwrap();
+    write_schema(&path, &body.creature, &schema, Some(&std)).unwrap();
     assert_eq!(read_schema(&path, &body.creature).unwrap(), schema);
     let text: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     assert_eq!(text["joints"][0]["position_std"], json!([0.001, 0.002, null]));
@@ -130,10 +130,10 @@ fn a_schema_file_keeps_its_deviations_and_is_a_file_of_known_joints() {
     assert!(known.iter().all(|known| !known.exact));
     assert_eq!((known[0].axes.len(), known[1].axes.len()), (2, 1));
     // Without deviations, as older versions wrote it: all of it exact.
-    write_schema(&path, &body.creature, &schema).unwrap();
+    write_schema(&path, &body.creature, &schema, None).unwrap();
     assert!(read_known(&path, &body.creature).unwrap().iter().all(|known| known.exact));
     std.axes.pop();
-    write_schema_with_std(&path, &body.creature, &schema, Some(&std)).unwrap_err();
+    write_schema(&path, &body.creature, &schema, Some(&std)).unwrap_err();
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn the_program_keeps_to_what_is_known_and_says_so() {
     assert!(message.contains("wrong.json") && message.contains("knee"), "{message}");
     assert!(!place.path().join("s").exists(), "a wrong file left a session");
     let schema = GroundTruth::new(&arms()).unwrap().schema;
-    write_schema(&place.path().join("all.json"), &arms().creature, &schema).unwrap();
+    write_schema(&place.path().join("all.json"), &arms().creature, &schema, None).unwrap();
     let mut some: Value =
         serde_json::from_slice(&std::fs::read(place.path().join("all.json")).unwrap()).unwrap();
     some["joints"].as_array_mut().unwrap().truncate(1);

@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use bodyschema::agent::Agent;
-use bodyschema::session::{
-    SCHEMA_FILE, Session, SessionRequest, TOUCHES_FILE, read_touches, write_schema_with_std,
-};
+use bodyschema::session::{SCHEMA_FILE, Session, SessionRequest, TOUCHES_FILE, read_touches, write_schema};
 
 use crate::common::program::succeeds;
 use crate::common::repository;
@@ -30,7 +28,7 @@ fn does_the_same(model: &str, options: &[&str], request: &SessionRequest) {
     let learned = babbled.learn().unwrap();
     let creature = learned.embodied().creature();
     let (path, schema) = (folder.path().join("schema.json"), learned.learned());
-    write_schema_with_std(&path, creature, &schema.schema, schema.schema_std(creature).as_ref()).unwrap();
+    write_schema(&path, creature, &schema.schema, schema.schema_std(creature).as_ref()).unwrap();
     let [by_program, by_library] = [place.join(SCHEMA_FILE), path].map(|path| std::fs::read(path).unwrap());
     assert!(by_program == by_library, "{model}: {:?}", schema.verdict);
 }

@@ -432,7 +432,7 @@ fn schema() -> BodySchema {
 fn a_schema_reads_back_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deep").join(SCHEMA_FILE);
-    write_schema(&path, &creature(), &schema()).unwrap();
+    write_schema(&path, &creature(), &schema(), None).unwrap();
     let read = read_schema(&path, &creature()).unwrap();
     assert_eq!(vector_bits(&read.positions), vector_bits(&schema().positions));
     assert_eq!(vector_bits(&read.axes), vector_bits(&schema().axes));
@@ -442,7 +442,7 @@ fn a_schema_reads_back_bit_for_bit() {
 fn a_schema_is_told_by_name_a_vector_a_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(SCHEMA_FILE);
-    write_schema(&path, &creature(), &schema()).unwrap();
+    write_schema(&path, &creature(), &schema(), None).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     let begin = r#"{
   "format": "bodyschema schema",
@@ -466,7 +466,7 @@ fn a_schema_is_told_by_name_a_vector_a_line() {
 fn schema_complaint(from: &str, to: &str, line: Option<usize>) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(SCHEMA_FILE);
-    write_schema(&path, &creature(), &schema()).unwrap();
+    write_schema(&path, &creature(), &schema(), None).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.contains(from), "{text}");
     fs::write(&path, text.replacen(from, to, 1)).unwrap();
@@ -494,7 +494,7 @@ fn a_wrong_schema_is_named() {
 fn a_schema_with_more_fields_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(SCHEMA_FILE);
-    write_schema(&path, &creature(), &schema()).unwrap();
+    write_schema(&path, &creature(), &schema(), None).unwrap();
     let text = fs::read_to_string(&path).unwrap().replace('{', "{\"deviation\": [0.1, null],");
     fs::write(&path, text).unwrap();
     assert_eq!(read_schema(&path, &creature()).unwrap(), schema());
@@ -512,7 +512,7 @@ fn a_schema_that_could_not_be_read_is_not_written() {
     for spoil in spoils {
         let mut schema = schema();
         spoil(&mut schema);
-        sentence(&write_schema(&path, &creature(), &schema).unwrap_err(), &path, None);
+        sentence(&write_schema(&path, &creature(), &schema, None).unwrap_err(), &path, None);
     }
     assert!(!path.exists());
 }
@@ -632,7 +632,7 @@ fn what_cannot_be_written_or_read_is_named() {
         session().write(&inside).unwrap_err(),
         TouchWriter::create(&inside, &agent).unwrap_err(),
         write_learning_table(&inside, &[]).unwrap_err(),
-        write_schema(&inside.join(SCHEMA_FILE), agent.creature(), &schema()).unwrap_err(),
+        write_schema(&inside.join(SCHEMA_FILE), agent.creature(), &schema(), None).unwrap_err(),
     ];
     for error in errors {
         let expected =
