@@ -89,6 +89,18 @@ impl Misses {
             max: sizes.last().copied().unwrap_or(f64::NAN),
         }
     }
+
+    /// The mean over parts that were held out, number by number.
+    pub fn mean(judged: &[Judgement], of: impl Fn(&Judgement) -> Misses) -> Misses {
+        let all: Vec<Misses> = judged.iter().map(of).collect();
+        let mean = |part: fn(&Misses) -> f64| all.iter().map(part).sum::<f64>() / all.len().max(1) as f64;
+        Misses {
+            rms: mean(|m| m.rms),
+            median: mean(|m| m.median),
+            p95: mean(|m| m.p95),
+            max: mean(|m| m.max),
+        }
+    }
 }
 
 /// How many equations there are for how many unknowns, once touches that are taken for false are left out.

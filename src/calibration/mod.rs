@@ -9,6 +9,7 @@
 //! Where [`learning`](crate::learning) begins from nothing, this begins from nominal values, and knows more kinds of what may
 //! be wrong: see [`robot`].
 
+mod account;
 mod causes;
 mod estimate;
 mod judgement;
@@ -26,6 +27,7 @@ mod told;
 mod touch;
 mod unknowns;
 
+pub use account::Calibration;
 pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch, SignStarts};
 pub use judgement::{
     FEWEST_HELD_OUT, Judgement, Misses, Objection, Question, folds, judge, objections, split,

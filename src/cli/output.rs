@@ -8,8 +8,8 @@ use serde_json::Value;
 use super::Outcome;
 use super::printable::Printable;
 use crate::error::Error;
-use crate::evaluation::Summary;
 use crate::session::{MadeFolders, folder_of, write_whole};
+use crate::view::table::Table;
 /// An error in its unit, as the report has it; a dash where there is none.
 pub(crate) use crate::view::text::error_number as number;
 use crate::view::tone::Tone;
@@ -66,18 +66,7 @@ pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
     Ok(written.map_err(Error::unwritable(path))?)
 }
 
-/// A summary as a row of a table, in its own unit.
-pub fn row(name: &str, unit: &str, summary: &Summary) {
-    say!(
-        "  {name:<34}{:>9} {:>9} {:>9} {:>9}  {unit}",
-        number(summary.mean),
-        number(summary.median),
-        number(summary.p95),
-        number(summary.max)
-    );
-}
-
-/// The head of a table of summaries.
-pub fn head() {
-    say!("  {:<34}{:>9} {:>9} {:>9} {:>9}", "", "mean", "median", "95 %", "max");
+/// Prints a table.
+pub fn table(table: &Table) {
+    table.lines().for_each(|line| say!("{line}"));
 }

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
 use crate::named::in_words;
-use crate::peripersonal::{Level, OwnBody, Reach, ReachableMap};
+use crate::peripersonal::{Level, OwnBody, ReachableMap};
 use crate::session::{hands, learned_body};
 use crate::view::space::{slices, vtk};
-use crate::view::text::error_number;
+use crate::view::table::Table;
 
 /// Tell where a creature's hands can get to, by the schema of a session.
 ///
@@ -72,6 +72,7 @@ fn side_of(length: f64, many: f64) -> f64 {
 pub fn run(args: &ReachArguments) -> Outcome {
     let _lock = written_session(&args.session)?;
     let own = learned_body(&args.session)?;
+    let limbs = own.creature().limbs();
     let hands = hands(&own, &args.hand)?;
     let chest = own.carrier_of(&hands);
     let tips: Vec<_> = hands.iter().filter_map(|&hand| own.tip_of(hand)).collect();
@@ -82,181 +83,106 @@ pub fn run(args: &ReachArguments) -> Outcome {
     let bar = progress::steps(tips.len() as u64);
     let mut maps = Vec::with_capacity(tips.len());
     for tip in tips {
-        let limb = tip.limb;
-        bar.set_message(format!("where the {} gets to", in_words(&own.creature().limbs()[limb])));
-        let map = ReachableMap::of_place(&own, limb, tip, chest, voxel);
+        bar.set_message(format!("where the {} gets to", in_words(&limbs[tip.limb])));
+        let map = ReachableMap::of_place(&own, tip.limb, tip, chest, voxel);
         maps.push(map.map_err(|error| Failure(format!("{}: {error}", args.session.display())))?);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let space = Space { own, hands, chest, maps, voxel, seconds: began.elapsed().as_secs_f64() };
+    let seconds = began.elapsed().as_secs_f64();
+    let doubt = |&hand: &usize| {
+        let why = own.unplaced(hand)?;
+        Some(format!("{}: where it gets to is a guess, for it is not placed ({why})", limbs[hand]))
+    };
+    let doubts: Vec<String> = hands.iter().filter_map(doubt).collect();
+    let at = args.at.map(|at| answer(&own, &maps, &at));
+    let mut found = json!({
+        "session": args.session,
+        "chest": limbs[chest],
+        "doubts": doubts,
+        "seconds": seconds,
+        "at": at,
+    });
     if !at_alone {
-        space.write(args)?;
+        write(args, &own, &maps, doubts.clone())?;
+        // Volumes of voxels as coarse as an answer for a point needs would mislead.
+        (found["voxel"], found["hands"]) =
+            (json!(voxel), maps.iter().map(|map| volumes(&own, map)).collect());
     }
-    let answers: Vec<Answer> =
-        args.at.iter().flat_map(|at| space.maps.iter().map(|map| Answer::new(&space.own, map, at))).collect();
     if args.json {
-        return space.print_json(args, at_alone, &answers);
+        return output::json(&found);
     }
+    let (session, chest) = (args.session.display(), &limbs[chest]);
     if at_alone {
-        let chest = &space.own.creature().limbs()[chest];
-        say!("{}: in the frame of {chest}", args.session.display());
+        say!("{session}: in the frame of {chest}");
     } else {
-        space.print(args);
+        say!("{session}: voxels of {voxel} m in the frame of {chest}, worked out in {seconds:.2} s");
+        let columns = [("hand", "hand"), ("near, l", "near_l"), ("far, l", "far_l")];
+        output::table(&Table::of_json(&found["hands"], &columns));
     }
-    for doubt in space.doubts() {
-        say!("  {doubt}");
+    doubts.iter().for_each(|doubt| say!("  {doubt}"));
+    let Some(at) = at else { return Ok(()) };
+    for hand in at["hands"].as_array().into_iter().flatten() {
+        let [beyond, miss] =
+            ["beyond", "miss"].map(|field| output::number(1e3 * hand[field].as_f64().unwrap_or(f64::NAN)));
+        match (hand["hand"].as_str().unwrap_or_default(), hand["level"].as_str().unwrap_or_default()) {
+            (name, _) if hand["beyond"] != 0.0 => say!("  {name}: out of reach by {beyond} mm"),
+            (name, level) => say!("  {name}: {level}, reached to {miss} mm"),
+        }
     }
-    if let Some(at) = &args.at {
-        if !at_alone {
-            say!("");
-        }
-        answers.iter().for_each(Answer::print);
-        say!("  from the limbs at ease:");
-        for (limb, metres) in distances(&space.own, &space.maps[0], at) {
-            say!("    {limb:<24}{metres:>8.3} m");
-        }
+    let columns = [("from the limbs at ease", "limb"), ("m", "distance")];
+    output::table(&Table::of_json(&at["limbs"], &columns));
+    Ok(())
+}
+
+/// Keeps the slices in the session, and writes the files that are asked for.
+fn write(args: &ReachArguments, own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> Outcome {
+    let record = slices::record(own, maps, doubts);
+    record.write(&args.session)?;
+    if let Some(path) = &args.vtk {
+        vtk::write(path, own, maps).map_err(|error| {
+            Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display()))
+        })?;
+    }
+    if let Some(path) = &args.picture {
+        let (name, hands) = (own.creature().name(), record.hands.join(" and "));
+        let says = format!("{name}: where {hands} can get to, in the frame of {}", record.chest);
+        output::file(path, slices::chart(&record, &says).alone())?;
     }
     Ok(())
 }
 
-/// What was worked out.
-struct Space {
-    own: OwnBody,
-    hands: Vec<usize>,
-    chest: usize,
-    maps: Vec<ReachableMap>,
-    /// Metres.
-    voxel: f64,
-    seconds: f64,
+/// How much a hand reaches, litres.
+fn volumes(own: &OwnBody, map: &ReachableMap) -> Value {
+    let [near, far] = map.volumes().map(|volume| 1e3 * volume);
+    json!({ "hand": map.name(own), "tip": map.tip.point.as_slice(), "near_l": near, "far_l": far })
 }
 
-impl Space {
-    /// What of it is no knowledge, in sentences.
-    fn doubts(&self) -> Vec<String> {
-        let doubt = |&hand: &usize| {
-            let (limbs, why) = (self.own.creature().limbs(), self.own.unplaced(hand)?);
-            Some(format!("{}: where it gets to is a guess, for it is not placed ({why})", limbs[hand]))
-        };
-        self.hands.iter().filter_map(doubt).collect()
-    }
-
-    /// Keeps the slices in the session, and writes the files that are asked for.
-    fn write(&self, args: &ReachArguments) -> Outcome {
-        let record = slices::record(&self.own, &self.maps, self.doubts());
-        record.write(&args.session)?;
-        if let Some(path) = &args.vtk {
-            vtk::write(path, &self.own, &self.maps).map_err(|error| {
-                Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display()))
-            })?;
-        }
-        if let Some(path) = &args.picture {
-            let says = format!(
-                "{}: where {} can get to, in the frame of {}",
-                self.own.creature().name(),
-                record.hands.join(" and "),
-                record.chest
-            );
-            output::file(path, slices::chart(&record, &says).alone())?;
-        }
-        Ok(())
-    }
-
-    fn print_json(&self, args: &ReachArguments, at_alone: bool, answers: &[Answer]) -> Outcome {
-        let (own, limbs) = (&self.own, self.own.creature().limbs());
-        let told = self.maps.iter().map(|map| {
-            let [near, far] = map.volumes().map(|volume| 1e3 * volume);
-            json!({
-                "hand": map.name(own),
-                "tip": map.tip.point.as_slice(),
-                "near_l": near,
-                "far_l": far,
-            })
-        });
-        let at = args.at.map(|at| {
-            let limbs = distances(own, &self.maps[0], &at);
-            let limbs = limbs.into_iter().map(|(limb, metres)| json!({"limb": limb, "distance": metres}));
-            json!({
-                "point": at.as_slice(),
-                "hands": answers.iter().map(|answer| answer.json(own)).collect::<Vec<_>>(),
-                "limbs": limbs.collect::<Vec<_>>(),
-            })
-        });
-        let mut all = json!({
-            "session": args.session,
-            "chest": limbs[self.chest],
-            "doubts": self.doubts(),
-            "seconds": self.seconds,
-            "at": at,
-        });
-        // Volumes of voxels as coarse as an answer for a point needs would mislead.
-        if !at_alone {
-            (all["voxel"], all["hands"]) = (json!(self.voxel), told.collect());
-        }
-        output::json(&all)
-    }
-
-    fn print(&self, args: &ReachArguments) {
-        say!(
-            "{}: voxels of {} m in the frame of {}, worked out in {:.2} s",
-            args.session.display(),
-            self.voxel,
-            self.own.creature().limbs()[self.chest],
-            self.seconds
-        );
-        say!("  {:<24}{:>12}{:>12}", "", "near, l", "far, l");
-        for map in &self.maps {
-            let [near, far] = map.volumes().map(|volume| 1e3 * volume);
-            say!("  {:<24}{near:>12.1}{far:>12.1}", map.name(&self.own));
-        }
-    }
-}
-
-/// How far a point in the map's frame is from every limb that has a surface, with the body at ease, nearest first.
-fn distances(own: &OwnBody, map: &ReachableMap, at: &Vector3<f64>) -> Vec<(String, f64)> {
-    let distances = own.distances(&own.frames(&own.at_ease()), &map.frame.point(at));
-    let named = own.creature().limbs().iter().zip(distances);
-    let mut known: Vec<(String, f64)> =
-        named.filter_map(|(limb, distance)| Some((limb.clone(), distance?))).collect();
-    known.sort_by(|a, b| a.1.total_cmp(&b.1));
-    known
-}
-
-/// What a hand can do about a point.
-struct Answer {
-    hand: String,
-    reach: Reach,
-    /// How far out of reach it is, metres; 0 where it is not.
-    beyond: f64,
-}
-
-impl Answer {
-    fn new(own: &OwnBody, map: &ReachableMap, at: &Vector3<f64>) -> Answer {
+/// How far a point in the maps' frame is from every hand and from every limb that has a surface, with the body at ease,
+/// nearest first; metres.
+fn answer(own: &OwnBody, maps: &[ReachableMap], at: &Vector3<f64>) -> Value {
+    let creature = own.creature();
+    let hand = |map: &ReachableMap| {
         let mut reach = map.reach(at);
-        own.creature().couple(&mut reach.posture);
-        let beyond = if reach.level == Level::OutOfReach { reach.miss } else { 0.0 };
-        Answer { hand: map.name(own), reach, beyond }
-    }
-
-    fn json(&self, own: &OwnBody) -> Value {
-        let posture = &self.reach.posture;
-        let names = own.creature().elements().map(|at| (at.name.clone(), json!(at.of(posture))));
+        creature.couple(&mut reach.posture);
+        let posture = creature.elements().map(|at| (at.name.clone(), json!(at.of(&reach.posture))));
         json!({
-            "hand": self.hand,
-            "level": self.reach.level.name(),
-            "beyond": self.beyond,
-            "miss": self.reach.miss,
-            "posture": names.collect::<serde_json::Map<_, _>>(),
+            "hand": map.name(own),
+            "level": reach.level.name(),
+            "beyond": if reach.level == Level::OutOfReach { reach.miss } else { 0.0 },
+            "miss": reach.miss,
+            "posture": posture.collect::<Map<_, _>>(),
         })
-    }
-
-    fn print(&self) {
-        let hand = &self.hand;
-        match self.reach.level {
-            Level::OutOfReach => say!("  {hand}: out of reach by {} mm", error_number(1e3 * self.beyond)),
-            level => {
-                say!("  {hand}: {}, reached to {} mm", level.name(), error_number(1e3 * self.reach.miss))
-            }
-        }
-    }
+    };
+    let distances = maps.first().map(|map| own.distances(&own.frames(&own.at_ease()), &map.frame.point(at)));
+    let named = creature.limbs().iter().zip(distances.into_iter().flatten());
+    let mut known: Vec<(&String, f64)> =
+        named.filter_map(|(limb, distance)| Some((limb, distance?))).collect();
+    known.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let limb = |(limb, metres): &(&String, f64)| json!({ "limb": limb, "distance": metres });
+    json!({
+        "point": at.as_slice(),
+        "hands": maps.iter().map(hand).collect::<Vec<_>>(),
+        "limbs": known.iter().map(limb).collect::<Vec<_>>(),
+    })
 }

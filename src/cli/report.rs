@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::folders::written_session;
-use super::learned::{print_evaluation, print_knowledge, warn_truncated};
+use super::learned::{print_bound, print_knowledge, warn_truncated};
 use super::open::known_truth;
 use super::{Outcome, output, progress};
 use crate::evaluation::{Evaluation, Summary, touch_misses, touches_across};
 use crate::learning::Account;
 use crate::senses::RecordedTouch;
 use crate::session::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
-use crate::view::report::{REPORT_FILE, write_report};
+use crate::view::report::{REPORT_FILE, error_rows, limb_table, summaries, write_report};
 use crate::view::text;
 
 /// Report what a session learned, how accurate it is, and what stays unobservable; write its page anew.
@@ -142,27 +142,13 @@ impl Found<'_> {
         print_knowledge(self.record);
         self.record.open_directions.iter().for_each(|words| say!("  {words}"));
         say!("");
-        match &self.evaluation {
-            Some(evaluation) => print_evaluation(evaluation),
-            None => output::head(),
-        }
-        output::row("contact residual of all touches", "mm", &self.residual);
+        let errors = self.evaluation.as_ref().map_or(Vec::new(), error_rows);
+        let residual = ("contact residual of all touches", "mm", self.residual);
+        output::table(&summaries(errors.into_iter().chain([residual])));
+        self.evaluation.iter().filter_map(|e| e.bound_mm.as_ref()).for_each(print_bound);
         if let Some(account) = self.record.reliable_account() {
             say!("\nhow far off a limb's skin may be in the frames of the other located limbs, 95 %:");
-            say!(
-                "  {:<28}{:<10}{:<12}{:<12}{:<12}",
-                "limb",
-                "touches",
-                "supporting",
-                "best, mm",
-                "worst, mm"
-            );
-            for line in account.limb_lines(creature) {
-                let [best, worst] = line.bounds.map(|metres| output::number(1e3 * metres));
-                let (limb, why) = (&creature.limbs()[line.limb], line.why.as_deref().unwrap_or(""));
-                let counts = format!("{:<10}{:<12}", line.touches, line.supporting);
-                say!("{}", format!("  {limb:<28}{counts}{best:<12}{worst:<12}{why}").trim_end());
-            }
+            output::table(&limb_table(account, creature));
             self.record.floor_note().iter().for_each(|note| say!("{note}"));
         }
         say!("\npage: {}", args.session.join(REPORT_FILE).display());

@@ -19,6 +19,8 @@ pub mod report;
 #[cfg(feature = "report")]
 pub mod space;
 #[cfg(feature = "report")]
+pub(crate) mod table;
+#[cfg(feature = "report")]
 pub(crate) mod text;
 #[cfg(feature = "report")]
 pub mod tone;

@@ -1,9 +1,7 @@
 //! `bodyschema calibrate`: put a robot's numbers right by its own touches.
 
 pub mod plan;
-mod report;
 mod results;
-mod tables;
 
 use std::path::{Path, PathBuf};
 
@@ -12,14 +10,13 @@ use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
 use crate::calibration::robot::{Knowledge, Robot};
 use crate::calibration::{
-    Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, add_places, folds, judge,
-    objections, put_on_places, split,
+    Calibration, Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, add_places,
+    folds, judge, objections, put_on_places, split,
 };
 use crate::session::{
     RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
     set_prior,
 };
-use results::Results;
 
 /// Put a robot's numbers right by its own touches.
 ///
@@ -138,13 +135,18 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     let objections = objections(&estimator, &fit, &judged);
     spinner.finish_and_clear();
     let (touches, judged, objections) = (&touches, &judged, &objections);
-    let results = Results { robot, touches, estimator: &estimator, fit: &fit, judged, objections };
+    let found = Calibration { robot, touches, estimator: &estimator, fit: &fit, judged, objections };
     if args.json {
-        output::json(&results.as_json())?;
+        output::json(&results::as_json(&found))?;
     } else {
-        results.print();
+        results::print(&found);
     }
-    lock.map_or(Ok(()), |lock| results.write(lock, &args.robot, &file, args.json))
+    let Some(lock) = lock else { return Ok(()) };
+    results::write(&found, &lock, &args.robot, &file)?;
+    if !args.json {
+        say!("\n{}", results::contents(&lock, &args.robot, &file));
+    }
+    Ok(())
 }
 
 /// The robot with what is known of it, and the touches.

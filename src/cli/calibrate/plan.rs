@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Knowledge, UnknownArguments};
+use super::UnknownArguments;
 use crate::calibration::robot::Robot;
 use crate::calibration::simulated::point_touches;
 use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
@@ -10,6 +10,7 @@ use crate::cli::open::{ModelArguments, embodied};
 use crate::cli::{Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::session::{SessionRequest, calibration_table, name_of, read_robot};
+use crate::view::table::Table;
 
 /// Choose the touches that would tell most about what is unknown of a robot.
 ///
@@ -123,14 +124,10 @@ fn report(robot: &Robot, estimator: &Estimator, plan: &Plan, candidates: usize) 
         plan.touches.len(),
         output::number(1e3 * plan.floor)
     );
-    say!("  {:<40}{:>14}", "quantity", "± deviation");
-    for (place, (q, part)) in estimator.unknowns.parameters.iter().enumerate() {
-        let quantity = &robot.quantities[*q];
-        if quantity.knowledge[*part] == Knowledge::Known {
-            continue;
-        }
-        let (factor, unit) = quantity.unit.for_readers();
+    let rows = estimator.unknowns.parameters.iter().enumerate().map(|(place, (q, part))| {
+        let (factor, unit) = robot.quantities[*q].unit.for_readers();
         let deviation = plan.covariance[(place, place)].max(0.0).sqrt();
-        say!("  {:<40}{:>14} {unit}", quantity.component_name(*part), output::number(factor * deviation));
-    }
+        [robot.quantities[*q].component_name(*part), output::number(factor * deviation), unit.into()]
+    });
+    output::table(&Table::new(["quantity", "± deviation", "unit"], rows));
 }

@@ -10,6 +10,7 @@ use crate::evaluation::MapAgreement;
 use crate::senses::learn_map;
 use crate::session::{FIRINGS_FILE, ReadLock, Session, read_firings, write_map};
 use crate::skin::SomatotopicMap;
+use crate::view::table::Table;
 
 /// Learn which receptors are neighbours from nothing but when they fired.
 ///
@@ -60,73 +61,52 @@ pub fn run(args: &MapArguments) -> Outcome {
     if let Some(path) = &args.out {
         write_map(path, creature.name(), agent.skin(), &learned.map)?;
     }
-    let on = |limb: usize| limbs.iter().enumerate().filter(move |(_, on)| **on == limb);
-    let receptors = |limb: usize| on(limb).count();
-    let visited = |limb: usize| on(limb).filter(|(receptor, _)| learned.firings[*receptor] > 0).count();
-    let felt: Vec<usize> = (0..creature.limbs().len()).filter(|&limb| receptors(limb) > 0).collect();
-    let all_visited = learned.firings.iter().filter(|count| **count > 0).count();
+    let row = |limb: usize| {
+        let on = || limbs.iter().zip(&learned.firings).filter(|(on, _)| **on == limb);
+        let of = &by_limb[limb];
+        json!({
+            "limb": creature.limbs()[limb],
+            "receptors": on().count(),
+            "visited": on().filter(|(_, firings)| **firings > 0).count(),
+            "learned": of.learned,
+            "geometric": of.geometric,
+            "shared": of.shared,
+        })
+    };
+    let felt = (0..creature.limbs().len()).filter(|limb| limbs.contains(limb));
+    let mut found = json!({
+        "session": args.session,
+        "creature": creature.name(),
+        "strokes": learned.strokes,
+        "firings": firings.len(),
+        "receptors": limbs.len(),
+        "visited": learned.firings.iter().filter(|count| **count > 0).count(),
+        "within_limbs": agreement_json(&within),
+        "across_joints": agreement_json(&across),
+        "limbs": felt.map(row).collect::<Vec<_>>(),
+    });
+    found = output::joined(found, agreement_json(&all));
     if args.json {
-        let row = |limb: &usize| {
-            json!({
-                "limb": creature.limbs()[*limb],
-                "receptors": receptors(*limb),
-                "visited": visited(*limb),
-                "learned": by_limb[*limb].learned,
-                "geometric": by_limb[*limb].geometric,
-                "shared": by_limb[*limb].shared,
-            })
-        };
-        return output::json(&json!({
-            "session": args.session,
-            "creature": creature.name(),
-            "strokes": learned.strokes,
-            "firings": firings.len(),
-            "receptors": limbs.len(),
-            "visited": all_visited,
-            "learned": all.learned,
-            "geometric": all.geometric,
-            "shared": all.shared,
-            "recall": all.recall(),
-            "precision": all.precision(),
-            "agreement": all.agreement(),
-            "within_limbs": agreement_json(&within),
-            "across_joints": agreement_json(&across),
-            "limbs": felt.iter().map(row).collect::<Vec<_>>(),
-        }));
+        return output::json(&found);
     }
+    let [visited, receptors] = ["visited", "receptors"].map(|field| &found[field]);
     say!(
-        "{}: {} firings of {all_visited} of {} receptors in {} strokes\n",
+        "{}: {} firings of {visited} of {receptors} receptors in {} strokes\n",
         creature.name(),
         firings.len(),
-        limbs.len(),
         learned.strokes
     );
-    let line = |name: &str, receptors: usize, visited: usize, of: &MapAgreement| {
-        let [learned, geometric, shared] = [of.learned, of.geometric, of.shared];
-        say!("{name:<28} {receptors:>9} {visited:>8} {learned:>8} {geometric:>9} {shared:>7}");
-    };
+    let columns = ["limb", "receptors", "visited", "learned", "geometric", "shared"];
+    output::table(&Table::of_json(&found["limbs"], &columns.map(|column| (column, column))));
+    let shares = |of: &MapAgreement| [of.recall(), of.precision(), of.agreement()].map(output::number);
+    let [recall, precision, agreement] = shares(&all);
     say!(
-        "{:<28} {:>9} {:>8} {:>8} {:>9} {:>7}",
-        "limb",
-        "receptors",
-        "visited",
-        "learned",
-        "geometric",
-        "shared"
-    );
-    for &limb in &felt {
-        line(&creature.limbs()[limb], receptors(limb), visited(limb), &by_limb[limb]);
-    }
-    line("across joints", 0, 0, &across);
-    line("all", limbs.len(), all_visited, &all);
-    say!(
-        "\nof the pairs of the geometry {} were learned, of the learned pairs {} are the geometry's: agreement {}",
-        output::number(all.recall()),
-        output::number(all.precision()),
-        output::number(all.agreement())
+        "\nof the pairs of the geometry {recall} were learned, of the learned pairs {precision} are the geometry's: agreement \
+         {agreement}"
     );
     if across.geometric + across.learned > 0 {
-        say!("across joints {} and {}", output::number(across.recall()), output::number(across.precision()));
+        let [recall, precision, _] = shares(&across);
+        say!("across joints {recall} and {precision}");
     }
     Ok(())
 }

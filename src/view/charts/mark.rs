@@ -51,6 +51,15 @@ impl ChartMark {
         ChartMark::Line { points, dashes: "", width: 2.0 }
     }
 
+    /// The places that it takes.
+    pub fn points(&self) -> Vec<[f64; 2]> {
+        match self {
+            ChartMark::Line { points, .. } => points.clone(),
+            ChartMark::Dot { at, .. } => vec![*at],
+            ChartMark::Cell { from, to, .. } => vec![*from, *to],
+        }
+    }
+
     /// A round dot.
     pub fn dot(at: [f64; 2], radius: f64, says: String) -> ChartMark {
         ChartMark::Dot { at, radius, cross: false, says }

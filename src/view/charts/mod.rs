@@ -3,11 +3,13 @@
 //! Each mark has a title, which a browser shows where the mouse rests, and a class, by which `charts.css` gives it the colours
 //! of a light or a dark screen. The drawing's unit is a tenth of a pixel.
 
+mod boxes;
 mod mark;
 mod ruler;
 
 use std::fmt::Write;
 
+pub use boxes::{box_marks, quartiles, rows};
 pub use mark::{ChartGroup, ChartMark, Ink};
 pub use ruler::{Ruler, Scale};
 

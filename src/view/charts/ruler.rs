@@ -1,6 +1,6 @@
 //! An axis: what it counts, and where it is labelled.
 
-use super::width_of;
+use super::{ChartGroup, ChartMark, width_of};
 use crate::view::text::{bounds, plain, tick_label, ticks};
 
 /// Values below this are drawn as this on a logarithmic axis: rounding, not learning.
@@ -35,6 +35,12 @@ impl Scale {
         let decades = (greatest / least).log10();
         let room = (0.05 * decades).max(0.4 * (1.0 - decades)).max(0.04);
         Scale::Logarithmic(least * 10f64.powf(-room), greatest * 10f64.powf(room))
+    }
+
+    /// The same for all that groups draw along an axis, 0 to the right and 1 upwards.
+    pub fn logarithmic_of(groups: &[ChartGroup], axis: usize) -> Scale {
+        let marks = groups.iter().flat_map(|group| &group.marks);
+        Scale::logarithmic(marks.flat_map(ChartMark::points).map(|point| point[axis]))
     }
 
     /// A linear scale from a value to the greatest of the finite `values`, with some room.

@@ -1,10 +1,11 @@
 //! The tables of the page.
 
 use super::ReportInput;
-use crate::creature::DofKind;
-use crate::evaluation::{AxisErrors, CramerRaoBound, Summary, axis_errors, touches_across};
-use crate::learning::LimbLine;
+use crate::creature::{Creature, DofKind};
+use crate::evaluation::{AxisErrors, CramerRaoBound, Evaluation, Summary, axis_errors, touches_across};
+use crate::learning::{Account, LimbLine};
 use crate::senses::limb_pairs;
+use crate::view::table::Table;
 use crate::view::text::{error_number, escape, plural, short_number};
 
 /// The numbers of the session, counted and told.
@@ -41,34 +42,38 @@ pub(super) fn definitions<'a>(facts: impl IntoIterator<Item = &'a (String, Strin
     format!("<dl>\n{rows}</dl>\n")
 }
 
-/// The table of error measures.
-pub(super) fn errors(input: &ReportInput) -> String {
-    let Some(evaluation) = input.evaluation else {
-        return ("<p>The truth is not known, so no error could be measured.</p>\n").into();
+/// A table of summaries, each with its unit.
+pub fn summaries<'a>(rows: impl IntoIterator<Item = (&'a str, &'a str, Summary)>) -> Table {
+    let row = |(name, unit, summary): (&str, &str, Summary)| {
+        let [mean, median, p95, max] =
+            [summary.mean, summary.median, summary.p95, summary.max].map(error_number);
+        [name.to_string(), unit.to_string(), mean, median, p95, max]
     };
+    Table::new(["error", "unit", "mean", "median", "95 %", "max"], rows.into_iter().map(row))
+}
+
+/// The errors against the truth, each with its unit.
+pub fn error_rows(evaluation: &Evaluation) -> Vec<(&'static str, &'static str, Summary)> {
     let rows = [
-        ("Skin of any limb, in any other limb's frame", "mm", Some(evaluation.heldout_mm)),
+        ("skin in another limb's frame", "mm", Some(evaluation.heldout_mm)),
         ("the same, of located limbs", "mm", Some(evaluation.determined_mm)),
         ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
-        ("Direction of axes", "°", Some(evaluation.axis_deg)),
-        ("Position of axes", "mm", Some(evaluation.axis_line_mm)),
+        ("angle between axes", "°", Some(evaluation.axis_deg)),
+        ("distance between axis lines", "mm", Some(evaluation.axis_line_mm)),
     ];
-    let row = |(name, unit, summary): (&str, &str, Option<Summary>)| {
-        let summary = summary?;
-        let cells: String = [summary.mean, summary.median, summary.p95, summary.max]
-            .iter()
-            .map(|&value| format!("<td class=\"number\">{}</td>", number(value)))
-            .collect();
-        Some(format!("<tr><th scope=\"row\">{name}</th><td>{unit}</td>{cells}</tr>\n"))
+    rows.into_iter().filter_map(|(name, unit, summary)| Some((name, unit, summary?))).collect()
+}
+
+/// The error measures.
+pub(super) fn errors(input: &ReportInput) -> String {
+    let Some(evaluation) = input.evaluation else {
+        return "<p>The truth is not known, so no error could be measured.</p>\n".into();
     };
-    let rows: String = rows.into_iter().filter_map(row).collect();
     let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
     format!(
-        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>Error against the truth</th><th>Unit</th>\
-         <th class=\"number\">Mean</th><th class=\"number\">Median</th><th class=\"number\">95 %</th>\
-         <th class=\"number\">Greatest</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
-         <p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the \
-         values are no greater than the column says.</p>\n{bound}"
+        "{}<p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the values are no \
+         greater than the column says.</p>\n{bound}",
+        summaries(error_rows(evaluation)).html("errors")
     )
 }
 
@@ -131,34 +136,28 @@ fn undetermined_joints(input: &ReportInput) -> String {
     )
 }
 
-/// The table of limbs: how far off their skin may be, the limb that is known worst first; a sentence without an account.
+/// How far off the skin of limbs may be, the limb that is known worst first, millimetres.
+pub fn limb_table(account: &Account, creature: &Creature) -> Table {
+    let row = |line: LimbLine| {
+        let [best, worst] = line.bounds.map(|metres| error_number(1e3 * metres));
+        let (limb, why) = (creature.limbs()[line.limb].clone(), line.why.unwrap_or_default());
+        [limb, line.touches.to_string(), line.supporting.to_string(), best, worst, why]
+    };
+    let titles = ["Limb", "touches", "supporting", "best, mm", "worst, mm", "why it is not located"];
+    Table::new(titles, account.limb_lines(creature).into_iter().map(row))
+}
+
+/// The same on the page; a sentence without an account.
 pub(super) fn limbs(input: &ReportInput) -> String {
-    let creature = input.agent.creature();
     let Some(account) = input.account else {
         return "<p class=\"note\">No bounds are given: no held-out touches confirm the schema.</p>\n".into();
     };
-    let row = |line: LimbLine| {
-        let cells = line.bounds.map(|metres| format!("<td class=\"number\">{}</td>", number(1e3 * metres)));
-        let why = line.why.unwrap_or_default();
-        format!(
-            "<tr><th scope=\"row\">{}</th><td class=\"number\">{}</td><td class=\"number\">{}</td>{}<td class=\"{}\">{}</td></tr>\n",
-            escape(&creature.limbs()[line.limb]),
-            line.touches,
-            line.supporting,
-            cells.concat(),
-            if why.is_empty() { "" } else { "open" },
-            escape(&why)
-        )
-    };
-    let rows: String = account.limb_lines(creature).into_iter().map(row).collect();
     let note = input.bounds_note.map_or(String::new(), |note| format!(" {note}"));
     format!(
-        "<div class=\"wide\" tabindex=\"0\"><table class=\"limbs\">\n<thead><tr><th>Limb</th><th class=\"number\">Touches</th>\
-         <th class=\"number\">supporting</th><th class=\"number\">Off by, best, mm</th><th class=\"number\">worst, mm</th>\
-         <th>Why it is not located</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n\
-         <p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
+        "{}<p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
          located relative to one another: in that where it is known best, and in that where it is known worst. A dash \
-         stands for no bound.{note}</p>\n"
+         stands for no bound.{note}</p>\n",
+        limb_table(account, input.agent.creature()).html("limbs")
     )
 }
 

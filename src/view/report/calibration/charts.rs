@@ -2,67 +2,52 @@
 
 use std::collections::BTreeMap;
 
-use super::{CalibrationReport, ReportedTouch};
-use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
+use crate::calibration::{Calibration, SeenTouch};
+use crate::session::name_of;
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, box_marks, quartiles, rows};
 use crate::view::figure;
-use crate::view::report::joint_errors::{box_marks, quartiles};
 use crate::view::text::{short_number as number, touches as count_of};
 
-/// Rows of a chart at the most.
+/// Rows at the most.
 const MOST_ROWS: usize = 30;
-/// Height of a row and width of a chart of rows, pixels.
-const ROW: f64 = 17.0;
-const WIDTH: f64 = 560.0;
 
-fn says(touch: &ReportedTouch) -> String {
-    let [a, b] = &touch.between;
-    let what = if touch.is_false() { ", taken to be false" } else { "" };
-    format!("line {}: {a} and {b} are {} mm apart{what}", touch.line, number(touch.millimetres()))
-}
-
-/// A box for each pair of links that touched.
-pub(super) fn by_pair(report: &CalibrationReport) -> String {
-    let mut pairs: BTreeMap<[&str; 2], Vec<&ReportedTouch>> = BTreeMap::new();
-    for touch in &report.touches {
-        let mut pair = touch.between.each_ref().map(String::as_str);
+/// A box for each pair of links that touched; touches that are taken to be false are crosses.
+pub(super) fn by_pair(found: &Calibration) -> String {
+    let millimetres = |(_, _, seen): &SeenTouch| 1e3 * seen.residuals.value.norm();
+    let mut pairs: BTreeMap<[String; 2], [Vec<&SeenTouch>; 2]> = BTreeMap::new();
+    for touch @ (index, ends, seen) in &found.fit.seen {
+        let of = |side: usize| name_of(found.robot, &found.touches[*index].ends[side][ends[side]].feature);
+        let mut pair = [of(0), of(1)];
         pair.sort_unstable();
-        pairs.entry(pair).or_default().push(touch);
+        let is_false = found.fit.noise.honesty(seen) <= 0.5;
+        pairs.entry(pair).or_default()[usize::from(is_false)].push(touch);
     }
     let mut pairs: Vec<_> = pairs.into_iter().collect();
-    pairs.sort_by_key(|(_, touches)| std::cmp::Reverse(touches.len()));
-    let count = pairs.len();
+    pairs.sort_by_key(|(_, [honest, wrong])| std::cmp::Reverse(honest.len() + wrong.len()));
+    let left_out = pairs.len().saturating_sub(MOST_ROWS);
     pairs.truncate(MOST_ROWS);
     let (mut boxes, mut crosses, mut names) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, ([a, b], touches)) in pairs.iter().enumerate() {
-        let name = format!("{a}, {b}");
-        let honest: Vec<f64> =
-            touches.iter().filter(|touch| !touch.is_false()).map(|touch| touch.millimetres()).collect();
-        let about = format!("{name}, {}", count_of(honest.len()));
-        boxes.extend(quartiles(honest).into_iter().flat_map(|values| box_marks(k, &about, values)));
-        let wrong = touches.iter().filter(|touch| touch.is_false());
-        crosses.extend(wrong.map(|touch| ChartMark::Dot {
-            at: [touch.millimetres(), k as f64],
-            radius: 3.0,
-            cross: true,
-            says: says(touch),
+    for (k, ([a, b], [honest, wrong])) in pairs.iter().enumerate() {
+        let about = format!("{a}, {b}, {}", count_of(honest.len()));
+        let values = quartiles(honest.iter().map(|touch| millimetres(touch)));
+        boxes.extend(values.into_iter().flat_map(|values| box_marks(k, &about, values)));
+        crosses.extend(wrong.iter().map(|touch| {
+            let (line, apart) = (found.touches[touch.0].line, millimetres(touch));
+            let says = format!("line {line}: {a} and {b} are {} mm apart, taken to be false", number(apart));
+            ChartMark::Dot { at: [apart, k as f64], radius: 3.0, cross: true, says }
         }));
-        names.push(name);
+        names.push(format!("{a}, {b}"));
     }
-    if boxes.is_empty() && crosses.is_empty() {
+    if names.is_empty() {
         return "<p class=\"note\">There is no touch to look at.</p>\n".into();
     }
-    let scale = Scale::logarithmic(report.touches.iter().map(ReportedTouch::millimetres));
-    let mut groups = vec![ChartGroup::new("", Ink::Blue, boxes)];
-    if !crosses.is_empty() {
-        groups.push(ChartGroup::new("taken to be false", Ink::Orange, crosses));
-    }
-    let plot = [WIDTH, ROW * names.len() as f64];
-    let panel = Panel::new(("apart, mm", scale), ("", Scale::Names(names)), groups, plot);
+    let over = (!crosses.is_empty()).then(|| ChartGroup::new("taken to be false", Ink::Orange, crosses));
+    let panel = rows("apart, mm", names, boxes, over.into_iter().collect());
     let mut caption = String::from(
         "Per pair of links, most touches first: the middle half in the box, all within the whiskers.",
     );
-    if count > MOST_ROWS {
-        caption += &format!(" {} more pairs are not drawn.", count - MOST_ROWS);
+    if left_out > 0 {
+        caption += &format!(" {left_out} more pairs are not drawn.");
     }
     figure("by-pair", &Chart::new("Residuals by pair of links", panel), &caption)
 }

@@ -1,98 +1,100 @@
 //! A calibration as one page to read: what was found, how sure it is, and what is left of the touches.
 
 mod charts;
-mod tables;
+pub(crate) mod tables;
 
-use crate::calibration::Misses;
+use super::tables::definitions;
+use crate::calibration::Calibration;
 use crate::view::page;
-use crate::view::text::escape;
+use crate::view::table::Table;
+use crate::view::text::{error_number, escape};
 
-/// All that a report of a calibration tells, as plain data.
-#[derive(Clone, Debug, Default)]
-pub struct CalibrationReport {
-    /// The robot's name.
-    pub robot: String,
-    /// Whether what was found explains the touches.
-    pub calibrated: bool,
-    /// The verdict in a sentence.
-    pub verdict: String,
-    /// What a calibration is right for, in a sentence.
-    pub reach: &'static str,
-    /// What was done, name and value.
-    pub facts: Vec<(String, String)>,
-    /// How far apart what touched is put, metres: before and after, of the touches and of those held out.
-    pub misses: Vec<(String, Misses)>,
-    /// What touches that were held out say of the deviations, in a sentence.
-    pub held_out: Option<String>,
-    /// What was to be found.
-    pub quantities: Vec<ReportedQuantity>,
-    /// What cannot be told apart, in sentences.
-    pub untold: Vec<String>,
-    /// Parameters that are known together better than each, the most alike first.
-    pub correlations: Vec<(String, String, f64)>,
-    /// What is left of the touches.
-    pub touches: Vec<ReportedTouch>,
-}
+/// What every calibration is right for.
+pub const REACH: &str = "It is right for what was touched: elsewhere offsets from self-touch alone may be worse than the maker's, \
+     and priors (--prior) keep them near.";
 
-/// A quantity as a person reads it.
-#[derive(Clone, Debug)]
-pub struct ReportedQuantity {
-    /// Its name.
-    pub name: String,
-    /// The unit of its numbers.
-    pub unit: &'static str,
-    /// Its value before any touch.
-    pub before: String,
-    /// The value that was found.
-    pub after: String,
-    /// How far it is from the one before.
-    pub change: f64,
-    /// Standard deviations of its parameters, infinite where they are not told.
-    pub deviations: Vec<f64>,
-}
+/// A section of the page: its title, and what makes its content.
+type Section = (&'static str, fn(&Calibration) -> String);
 
-/// What is left of a touch.
-#[derive(Clone, Debug)]
-pub struct ReportedTouch {
-    /// The line of the log that it is on.
-    pub line: usize,
-    /// The links or surfaces that touched.
-    pub between: [String; 2],
-    /// How far apart the two are put by what was found, metres.
-    pub apart: f64,
-    /// How likely it is honest.
-    pub honesty: f64,
-}
+/// The sections of the page, below what was done.
+const SECTIONS: &[Section] = &[
+    ("How far apart what touched is put", misses),
+    ("What was found", quantities),
+    ("What cannot be told apart", untold),
+    ("Residuals by pair of links", charts::by_pair),
+    ("Correlations", correlations),
+];
 
-impl ReportedTouch {
-    fn is_false(&self) -> bool {
-        self.honesty <= 0.5
-    }
-
-    /// Millimetres.
-    fn millimetres(&self) -> f64 {
-        1e3 * self.apart
-    }
-}
-
-/// The whole page.
-pub fn html(report: &CalibrationReport) -> String {
-    let sections = [
-        ("What was done", super::tables::definitions(&report.facts)),
-        ("How far apart what touched is put", tables::misses(report)),
-        ("What was found", tables::quantities(report)),
-        ("What cannot be told apart", tables::untold(report)),
-        ("Residuals by pair of links", charts::by_pair(report)),
-        ("Correlations", tables::correlations(report)),
-    ];
-    let sections = super::in_sections(sections);
+/// The whole page; `kind` is what the robot's file is.
+pub fn html(found: &Calibration, kind: &str) -> String {
+    let sections = SECTIONS.iter().map(|(title, content)| (*title, content(found)));
+    let sections = super::in_sections([("What was done", facts(found, kind))].into_iter().chain(sections));
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A robot calibrated by its own touches</p>\n</header>\n\
-         <p class=\"verdict{}\">{}</p>\n<p class=\"note\">{}</p>\n{sections}",
-        escape(&report.robot),
-        if report.calibrated { "" } else { " open" },
-        escape(&report.verdict),
-        escape(report.reach),
+         <p class=\"verdict{}\">{}</p>\n<p class=\"note\">{REACH}</p>\n{sections}",
+        escape(&found.robot.name),
+        if found.is_calibrated() { "" } else { " open" },
+        escape(&found.verdict()),
     );
-    page(&format!("{}: calibrated by its own touches", report.robot), "", &content, "")
+    page(&format!("{}: calibrated by its own touches", found.robot.name), "", &content, "")
+}
+
+fn facts(found: &Calibration, kind: &str) -> String {
+    let noise = &found.fit.noise;
+    let millimetres: Vec<String> = noise.groups.iter().map(|metres| error_number(1e3 * metres)).collect();
+    let mut facts = vec![
+        ("robot", format!("{kind}, {} degrees of freedom", found.robot.dofs.len())),
+        ("touches", found.touches.len().to_string()),
+        ("unknown numbers", found.estimator.unknowns.len().to_string()),
+        ("noise of touch, mm", millimetres.join(", ")),
+        ("touches taken to be false", format!("{:.1} %", 100.0 * noise.false_share)),
+    ];
+    if noise.joint > 0.0 {
+        facts.push(("noise of encoders, °", error_number(noise.joint.to_degrees())));
+    }
+    let facts: Vec<(String, String)> =
+        facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
+    definitions(&facts)
+}
+
+fn misses(found: &Calibration) -> String {
+    let held_out = match found.held_out() {
+        Some(sentence) => format!(
+            "<p>{}</p>\n<p class=\"note\">What was held out was not fitted to: it tells how far apart fresh touches will be \
+             put. 95 % are no farther apart than the column says.</p>\n",
+            escape(&sentence)
+        ),
+        None => "<p class=\"note\">95 % are no farther apart than the column says. How far apart fresh touches will be put \
+                 is told by some that are not fitted to: <code>--held-out 0.3 --splits 10</code>.</p>\n"
+            .into(),
+    };
+    tables::misses(found).html("errors") + &held_out
+}
+
+fn quantities(found: &Calibration) -> String {
+    let note = "<p class=\"note\">± is one standard deviation of each number; a dash stands where these touches do not tell \
+                it. Positions are x y z, axes unit vectors, orientations rotation vectors.</p>\n";
+    tables::quantities(found).html("errors") + note
+}
+
+fn untold(found: &Calibration) -> String {
+    let item = |sentence: &String| format!("<li>{}</li>\n", escape(sentence));
+    match found.untold().as_slice() {
+        [] => "<p>The touches tell all that was to be found.</p>\n".into(),
+        sentences => format!("<ul>\n{}</ul>\n", sentences.iter().map(item).collect::<String>()),
+    }
+}
+
+/// The parameters that are known together best.
+fn correlations(found: &Calibration) -> String {
+    const MOST: usize = 12;
+    let all = found.correlations(0.0).into_iter().take(MOST);
+    let rows = all.map(|(one, other, correlation)| [one, other, format!("{correlation:.3}")]);
+    let table = Table::new(["One", "Other", "Correlation"], rows);
+    if table.is_empty() {
+        return "<p>There are no two numbers to be known together.</p>\n".into();
+    }
+    let note = "<p class=\"note\">The pairs that are most alike: near 1 or −1 the touches tell little but the sum of the two, \
+                or the difference; other postures would tell each. <code>correlations.csv</code> has all pairs.</p>\n";
+    table.html("errors") + note
 }

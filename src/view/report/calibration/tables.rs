@@ -1,88 +1,99 @@
-//! The tables of the page.
+//! The tables of a calibration, for its page, for a terminal, and as files.
 
-use super::CalibrationReport;
-use crate::view::text::{escape, short_number as number};
+use nalgebra::{Rotation3, Vector3};
 
-/// A cell of numbers, with true minus signs.
-fn cell(text: &str) -> String {
-    format!("<td class=\"number\">{}</td>", escape(&text.replace('-', "−")))
-}
+use crate::calibration::Calibration;
+use crate::calibration::robot::Value;
+use crate::session::{joint_cells, joint_titles, name_of};
+use crate::view::table::{NONE, Table};
+use crate::view::text::error_number;
 
-/// How far apart what touched is put, before and after.
-pub(super) fn misses(report: &CalibrationReport) -> String {
-    let row = |(name, misses): &(String, crate::calibration::Misses)| {
-        let cells =
-            [misses.rms, misses.median, misses.p95, misses.max].map(|metres| cell(&number(1e3 * metres)));
-        format!("<tr><th scope=\"row\">{}</th>{}</tr>\n", escape(name), cells.concat())
+/// How far apart what touched is put, before and after, millimetres.
+pub fn misses(found: &Calibration) -> Table {
+    let row = |(name, misses): (String, crate::calibration::Misses)| {
+        let numbers = [misses.rms, misses.median, misses.p95, misses.max];
+        std::iter::once(name).chain(numbers.map(|metres| error_number(1e3 * metres)))
     };
-    let rows: String = report.misses.iter().map(row).collect();
-    let fresh = match &report.held_out {
-        Some(sentence) => format!(
-            "<p>{}</p>\n<p class=\"note\">What was held out was not fitted to: it tells how far apart fresh touches will be \
-             put. 95 % are no farther apart than the column says.</p>\n",
-            escape(sentence)
-        ),
-        None => "<p class=\"note\">95 % are no farther apart than the column says. How far apart fresh touches will be put \
-                 is told by some that are not fitted to: <code>--held-out 0.3 --splits 10</code>.</p>\n"
-            .into(),
-    };
-    format!(
-        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>Millimetres</th><th class=\"number\">RMS</th>\
-         <th class=\"number\">Median</th><th class=\"number\">95 %</th><th class=\"number\">Greatest</th></tr></thead>\n\
-         <tbody>\n{rows}</tbody>\n</table></div>\n{fresh}"
+    Table::new(
+        ["What touched, apart, mm", "RMS", "Median", "95 %", "Max"],
+        found.misses().into_iter().map(row),
     )
 }
 
-/// What was found, quantity by quantity.
-pub(super) fn quantities(report: &CalibrationReport) -> String {
-    let row = |quantity: &super::ReportedQuantity| {
-        let untold = quantity.deviations.iter().any(|deviation| !deviation.is_finite());
-        let deviations: Vec<String> = quantity.deviations.iter().map(|x| number(*x)).collect();
-        format!(
-            "<tr><th scope=\"row\"{}>{}</th>{}{}{}{}<td>{}</td></tr>\n",
-            if untold { " class=\"open\"" } else { "" },
-            escape(&quantity.name),
-            cell(&quantity.before),
-            cell(&quantity.after),
-            cell(&number(quantity.change)),
-            cell(&deviations.join(" ")),
-            escape(quantity.unit)
-        )
+/// What was found, quantity by quantity, in units for readers.
+pub fn quantities(found: &Calibration) -> Table {
+    let row = |q: usize| {
+        let (quantity, after) = (&found.robot.quantities[q], &found.fit.values[q]);
+        let (factor, unit) = quantity.unit.for_readers();
+        let deviation = |x: f64| if x.is_finite() { error_number(factor * x) } else { NONE.into() };
+        let deviations: Vec<String> = found.deviations(q).into_iter().map(deviation).collect();
+        let change = error_number(factor * after.distance(&quantity.nominal));
+        let [before, after] = [&quantity.nominal, after].map(|value| words(value, factor));
+        [quantity.name.clone(), before, after, change, deviations.join(" "), unit.into()]
     };
-    let rows: String = report.quantities.iter().map(row).collect();
-    format!(
-        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>Quantity</th><th class=\"number\">Before</th>\
-         <th class=\"number\">After</th><th class=\"number\">Change</th><th class=\"number\">± deviation</th><th>Unit</th></tr>\
-         </thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n<p class=\"note\">± is one standard deviation of each number; a \
-         dash stands, and the name in colour, where these touches do not tell it. Positions are x y z, axes unit vectors, \
-         orientations rotation vectors.</p>\n"
-    )
+    let touched = found.open().map(|(q, _)| q).filter(|q| found.is_touched(*q));
+    Table::new(["Quantity", "Before", "After", "Change", "± deviation", "Unit"], touched.map(row))
 }
 
-/// What cannot be told apart.
-pub(super) fn untold(report: &CalibrationReport) -> String {
-    if report.untold.is_empty() {
-        return "<p>The touches tell all that was to be found.</p>\n".into();
+/// A value as a person reads it.
+fn words(value: &Value, factor: f64) -> String {
+    let three =
+        |v: Vector3<f64>, digits: usize| format!("{:.*} {:.*} {:.*}", digits, v.x, digits, v.y, digits, v.z);
+    match value {
+        Value::Position(at) => three(at * factor, 3),
+        Value::Direction(axis) => three(*axis, 4),
+        Value::Orientation(rotation) => three(rotation_vector(rotation) * factor, 3),
+        Value::Number(number) => format!("{:.4}", number * factor),
     }
-    let items: String =
-        report.untold.iter().map(|sentence| format!("<li>{}</li>\n", escape(sentence))).collect();
-    format!("<ul>\n{items}</ul>\n")
 }
 
-/// The parameters that are known together best.
-pub(super) fn correlations(report: &CalibrationReport) -> String {
-    if report.correlations.is_empty() {
-        return "<p>There are no two numbers to be known together.</p>\n".into();
-    }
-    let row = |(a, b, correlation): &(String, String, f64)| {
-        let correlation = format!("{correlation:.3}");
-        format!("<tr><th scope=\"row\">{}</th><td>{}</td>{}</tr>\n", escape(a), escape(b), cell(&correlation))
+fn rotation_vector(rotation: &nalgebra::Matrix3<f64>) -> Vector3<f64> {
+    Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+}
+
+/// What was found, a row for each number, in metres and radians.
+pub fn numbers(found: &Calibration) -> Table {
+    let numbers = |value: &Value| match value {
+        Value::Position(v) | Value::Direction(v) => v.iter().copied().collect(),
+        Value::Orientation(rotation) => rotation_vector(rotation).iter().copied().collect(),
+        Value::Number(x) => vec![*x],
     };
-    let rows: String = report.correlations.iter().map(row).collect();
-    format!(
-        "<div class=\"wide\" tabindex=\"0\"><table class=\"errors\">\n<thead><tr><th>One</th><th>Other</th><th class=\"number\">Correlation</th>\
-         </tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n<p class=\"note\">The pairs that are most alike: near 1 or −1 the \
-         touches tell little but the sum of the two, or the difference; other postures would tell each. \
-         <code>correlations.csv</code> has all pairs.</p>\n"
-    )
+    let rows = found.open().flat_map(|(q, quantity)| {
+        let (before, after) = (numbers(&quantity.nominal), numbers(&found.fit.values[q]));
+        let deviations = found.deviations(q);
+        (0..before.len()).map(move |k| {
+            // Of a direction there is one for each way it turns aside.
+            let deviation = deviations.get(k).or(deviations.last()).filter(|deviation| deviation.is_finite());
+            let part = if before.len() == 1 { "" } else { [".x", ".y", ".z"][k] };
+            let [name, unit] = [format!("{}{part}", quantity.name), quantity.unit.name().into()];
+            let [before, after, change] = [before[k], after[k], after[k] - before[k]].map(|x| x.to_string());
+            [name, unit, before, after, change, deviation.map_or(String::new(), ToString::to_string)]
+        })
+    });
+    Table::new(["quantity", "unit", "before", "after", "change", "deviation"], rows)
+}
+
+/// What is left of each touch, and what was read there.
+pub fn residuals(found: &Calibration) -> Table {
+    let titles = ["line", "a", "b", "before_mm", "after_mm", "honest"].map(String::from);
+    let joints = joint_titles(found.robot).join(",");
+    let rows = found.fit.seen.iter().zip(found.before()).map(|((touch, ends, seen), (_, _, was))| {
+        let touch = &found.touches[*touch];
+        let name = |side: usize| name_of(found.robot, &touch.ends[side][ends[side]].feature);
+        let [before, after] = [&was, seen].map(|seen| (1e3 * seen.residuals.value.norm()).to_string());
+        let honest = format!("{:.3}", found.fit.noise.honesty(seen));
+        let own = [touch.line.to_string(), name(0), name(1), before, after, honest];
+        own.into_iter().chain(joint_cells(found.robot, &touch.posture))
+    });
+    Table::new(titles.into_iter().chain(joints.split(',').map(String::from)), rows)
+}
+
+/// The correlations of the parameters that are determined, all with all.
+pub fn correlations(found: &Calibration) -> Table {
+    let told = found.told();
+    let rows = told.iter().map(|(name, i)| {
+        let cells = told.iter().map(|(_, j)| format!("{:.6}", found.fit.told.correlation(*i, *j)));
+        std::iter::once(name.clone()).chain(cells)
+    });
+    Table::new(std::iter::once("parameter").chain(told.iter().map(|(name, _)| name.as_str())), rows)
 }

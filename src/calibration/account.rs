@@ -1,0 +1,139 @@
+//! What a calibration found, what it left open, and how well both stand.
+
+use super::estimate::{Estimator, Fit, SeenTouch};
+use super::judgement::{FEWEST_HELD_OUT, Judgement, Misses, Objection};
+use super::robot::{Quantity, Robot};
+use super::touch::Touch;
+
+/// What was found, of whom and by what.
+pub struct Calibration<'a> {
+    /// The robot at its maker's numbers.
+    pub robot: &'a Robot,
+    /// The touches that were fitted to.
+    pub touches: &'a [Touch],
+    /// What looked for the numbers.
+    pub estimator: &'a Estimator<'a>,
+    /// The numbers.
+    pub fit: &'a Fit,
+    /// What held-out touches say, part by part.
+    pub judged: &'a [Judgement],
+    /// What speaks against it.
+    pub objections: &'a [Objection],
+}
+
+impl Calibration<'_> {
+    /// The touches as they are seen at nominal values.
+    pub fn before(&self) -> Vec<SeenTouch> {
+        self.estimator.seen(&self.robot.nominal(), &self.fit.noise)
+    }
+
+    /// Quantities that were to be found.
+    pub fn open(&self) -> impl Iterator<Item = (usize, &Quantity)> {
+        self.robot.quantities.iter().enumerate().filter(|(_, quantity)| quantity.is_open())
+    }
+
+    /// The places of a quantity's parameters among the unknowns.
+    fn places(&self, q: usize) -> impl Iterator<Item = usize> {
+        let size = self.robot.quantities[q].nominal.size();
+        (0..size).filter_map(move |part| self.estimator.unknowns.place(q, part))
+    }
+
+    /// Whether any touch depends on a quantity, alone or with others.
+    pub fn is_touched(&self, q: usize) -> bool {
+        self.estimator.open_signs().contains(&q)
+            || self.places(q).any(|place| !self.fit.told.ties.contains(&vec![place]))
+    }
+
+    /// The standard deviations of a quantity's parameters, infinite where nothing determines them.
+    pub fn deviations(&self, q: usize) -> Vec<f64> {
+        if self.estimator.open_signs().contains(&q) {
+            return vec![if self.fit.untold_signs.contains(&q) { f64::INFINITY } else { 0.0 }];
+        }
+        self.places(q).map(|place| self.fit.told.deviation(place)).collect()
+    }
+
+    /// What is unobservable or confounded, in sentences.
+    pub fn untold(&self) -> Vec<String> {
+        let told = self.fit.told.untold(self.robot, &self.estimator.unknowns);
+        let (alone, together): (Vec<_>, Vec<_>) =
+            told.into_iter().partition(|untold| untold.names.len() == 1);
+        let signs = self.fit.untold_signs.iter().map(|sign| self.robot.quantities[*sign].name.clone());
+        let names: Vec<String> = alone.into_iter().flat_map(|untold| untold.names).chain(signs).collect();
+        let alone = (!names.is_empty()).then(|| {
+            format!("not determined by these touches, and left at the maker's value: {}", names.join(", "))
+        });
+        together.iter().map(ToString::to_string).chain(alone).collect()
+    }
+
+    /// Parameters that are determined, by their names and places among the unknowns.
+    pub fn told(&self) -> Vec<(String, usize)> {
+        let parameters = self.estimator.unknowns.parameters.iter().enumerate();
+        parameters
+            .filter(|(place, _)| self.fit.told.is_told(*place))
+            .map(|(place, (q, part))| (self.robot.quantities[*q].component_name(*part), place))
+            .collect()
+    }
+
+    /// Pairs of parameters and their correlation, the greatest first; those of `least` or more.
+    pub fn correlations(&self, least: f64) -> Vec<(String, String, f64)> {
+        let told = self.told();
+        let pairs =
+            told.iter().enumerate().flat_map(|(k, one)| told[..k].iter().map(move |other| (other, one)));
+        let correlated =
+            pairs.map(|((a, i), (b, j))| (a.clone(), b.clone(), self.fit.told.correlation(*i, *j)));
+        let mut found: Vec<_> = correlated.filter(|(_, _, correlation)| correlation.abs() >= least).collect();
+        found.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        found
+    }
+
+    /// Whether the robot explains its touches.
+    pub fn is_calibrated(&self) -> bool {
+        self.objections.is_empty()
+    }
+
+    /// The same in a sentence: what speaks against it, if anything does.
+    pub fn verdict(&self) -> String {
+        let sentences: Vec<String> = self.objections.iter().map(ToString::to_string).collect();
+        match self.is_calibrated() {
+            true => "calibrated: the touches are explained by what was found".into(),
+            false => format!("NOT calibrated: {}", sentences.join("; ")),
+        }
+    }
+
+    /// Contact residuals, before and after: of all touches, and of those held out.
+    pub fn misses(&self) -> Vec<(String, Misses)> {
+        let of_all = [("before", Misses::of(&self.before())), ("after", Misses::of(&self.fit.seen))];
+        let mut misses = of_all.map(|(name, misses)| (name.to_string(), misses)).to_vec();
+        if self.fit.noise.false_share > 0.0 {
+            misses.push(("after, without false ones".into(), Misses::of(&self.fit.honest())));
+        }
+        if let Some(first) = self.judged.first() {
+            let parts =
+                if self.judged.len() > 1 { format!("{} × ", self.judged.len()) } else { String::new() };
+            let mean = |of: fn(&Judgement) -> Misses| Misses::mean(self.judged, of);
+            for (what, mean) in
+                [("before", mean(|judged| judged.before)), ("after", mean(|judged| judged.after))]
+            {
+                misses.push((format!("{what}, {parts}{} held out", first.touches), mean));
+            }
+        }
+        misses
+    }
+
+    /// How many of the held-out touches are where the deviations say, in a sentence.
+    pub fn held_out(&self) -> Option<String> {
+        let count = (!self.judged.is_empty()).then_some(self.judged.len() as f64)?;
+        let rows: usize = self.judged.iter().map(|judged| judged.touches).sum();
+        if rows < FEWEST_HELD_OUT {
+            return Some(format!(
+                "too few held-out rows to check an interval that should hold 95 %: {rows}, at least {FEWEST_HELD_OUT}"
+            ));
+        }
+        let mean = |of: fn(&Judgement) -> f64| self.judged.iter().map(of).sum::<f64>() / count;
+        Some(format!(
+            "{:.1} % of what was held out is within the interval that should hold 95 % ({:.3} mm wide on average)",
+            100.0 * mean(|judged| judged.within),
+            1e3 * mean(|judged| judged.interval)
+        ))
+    }
+}
