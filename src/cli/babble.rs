@@ -1,20 +1,318 @@
-//! `bodyschema babble`: the main job.
+//! `bodyschema babble`: the main job. A session begins, goes on, is made share by share, or is put together of shares.
 
-use super::babbling::{BabbleArguments, Prepared};
-use super::folders::session_folder;
-use super::{Outcome, output};
-use crate::session::{BabblingSession, Provenance};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::arguments::{positive, touch_count};
+use super::folders::{Force, session_folder, take_share, written_session};
+use super::learned::learn_and_print;
+use super::learning_arguments::{KNOWN_HELP, LearningArguments};
+use super::live::{Live, LiveOptions, Place};
+use super::open::{MAX, ModelArguments, embodied, is_there};
+use super::progress::Bars;
+use super::{Failure, Outcome, output};
+use crate::babbling::PolicyName;
+use crate::creature::JointSelection;
+use crate::error::Error;
+use crate::session::{
+    BabbledSession, BabblingSession, Embodied, FolderLock, Observer, Provenance,
+    ResumedSession, SESSION_FILE, Session, SessionRequest, SessionSetup,
+};
+use crate::share::Share;
+use crate::simulation::MotionName;
+use crate::view::report::REPORT_FILE;
+
+/// Babble, touch, learn the body schema, and measure it.
+///
+/// The creature moves about, few joints at first, and stops where its skin touches its skin. From the pairs of
+/// receptors and the joint angles alone it learns where its joints are and how they turn, and touches what it does not
+/// know yet; the model's own kinematics serve only to measure the result. All goes into a session folder.
+#[derive(clap::Args, Clone, Serialize, Deserialize)]
+#[command(after_help = format!("Examples:
+  bodyschema babble                                                          # Max, mjcf/max/max.xml
+  bodyschema babble mjcf/hexapod/hexapod.xml
+  bodyschema babble mjcf/max/max.xml --touches 500 --input contact --json
+  bodyschema babble mjcf/max/max.xml --joints all --touches 5000 --jobs 4    # takes minutes
+  bodyschema babble mjcf/max/max.xml --touches 300 --motion dynamic          # takes minutes
+  bodyschema babble mjcf/max/max.xml --learner hersch --json
+  bodyschema babble mjcf/max/max.xml --touches 500 --live                    # watch it in a browser
+  bodyschema babble --resume sessions/max-1
+  bodyschema babble mjcf/max/max.xml --touches 100000 --shard 3/16 --out sessions/big  # takes minutes
+  bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
+pub struct BabbleArguments {
+    /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
+    #[arg(default_value = MAX, value_name = "MODEL")]
+    model: PathBuf,
+    /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
+    /// most]
+    #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
+    touches: Option<usize>,
+    /// Seconds after which the session comes to its end with what is known by then: what that is depends on what else the
+    /// computer does [default: none]
+    #[arg(long, value_parser = positive, conflicts_with = "work", help_heading = "Babbling")]
+    seconds: Option<f64>,
+    /// Work after which it does so, the same on any computer: about what one core does in so many seconds [default: 50; none with
+    /// --seconds, --touches or --motion dynamic]
+    #[arg(long, value_parser = positive, help_heading = "Babbling")]
+    work: Option<f64>,
+    /// Seed of all random numbers: the same seed gives the same touches
+    #[arg(long, default_value_t = 1, help_heading = "Babbling")]
+    pub seed: u64,
+    /// The joints that move: a set that the model names (torso), all, or names separated by commas
+    /// [default: torso where the model names it, else all]
+    #[arg(long, help_heading = "Babbling")]
+    joints: Option<JointSelection>,
+    /// Threads; they change nothing but the time [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
+    #[serde(skip)]
+    pub jobs: Option<u16>,
+    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
+    /// known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
+    /// named; else random]
+    #[arg(long, value_enum, help_heading = "Babbling")]
+    policy: Option<PolicyName>,
+    /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
+    #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
+    pub motion: MotionName,
+    #[command(flatten)]
+    #[serde(flatten)]
+    open: ModelArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    learning: LearningArguments,
+    /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
+    #[arg(long, short, value_name = "DIR", help_heading = "Output")]
+    #[serde(skip)]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub force: Force,
+    /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
+    /// what they would have been. Takes --jobs, --json and --live beside it
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    #[serde(skip)]
+    pub resume: Option<PathBuf>,
+    /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
+    /// `bodyschema study merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
+    /// with a share that was interrupted
+    #[arg(
+        long,
+        value_name = "SHARE",
+        requires = "out",
+        conflicts_with_all = ["resume", "seconds", "work", "force"],
+        help_heading = "Output"
+    )]
+    #[serde(skip)]
+    pub shard: Option<Share>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Output")]
+    #[serde(skip)]
+    pub json: bool,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub live: LiveOptions,
+}
+
+impl BabbleArguments {
+    /// What is asked, from now on.
+    fn request(&self) -> SessionRequest {
+        SessionRequest {
+            touches: self.touches,
+            seconds: self.seconds,
+            work: self.work,
+            seed: self.seed,
+            jobs: self.jobs,
+            policy: self.policy,
+            motion: self.motion,
+            learner: self.learning.named(),
+            learning: self.learning.open(),
+            known: self.learning.known.clone(),
+            share: self.shard,
+            ..SessionRequest::default()
+        }
+    }
+
+    /// What a session was asked; `folder` is for messages about it.
+    pub fn of_session(session: &Session, folder: &Path) -> Result<BabbleArguments, Failure> {
+        let place = folder.join(SESSION_FILE).display().to_string();
+        if session.recording.is_some() || session.options.touches == 0 {
+            return Err(Failure(format!(
+                "{place}: it is not of babbling: give a folder that `bodyschema babble` made"
+            )));
+        }
+        serde_json::from_value(session.options.asked.clone()).map_err(|what| {
+            Failure(format!(
+                "{place}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; babble anew"
+            ))
+        })
+    }
+}
 
 pub fn run(args: &BabbleArguments) -> Outcome {
-    if let Some(folder) = &args.resume {
-        return super::resume::run(folder, args);
+    match (&args.resume, args.shard, &args.out) {
+        (Some(folder), ..) => resume(folder, args),
+        (None, Some(share), Some(folder)) => make_share(&Job::new(args)?, share, folder),
+        _ => {
+            let job = Job::new(args)?;
+            let lock = session_folder(args.out.as_deref(), job.embodied.creature().name(), args.force)?;
+            job.begin(lock, |session, observers| session.babble(observers))
+        }
     }
-    let prepared = Prepared::new(args)?;
-    if let (Some(share), Some(folder)) = (args.shard, &args.out) {
-        return super::shard::run(&prepared, args, share, folder);
+}
+
+/// A session that is asked for, with all that is made ready before the first touch.
+pub struct Job<'a> {
+    args: &'a BabbleArguments,
+    embodied: Embodied,
+    setup: SessionSetup,
+    /// Where a page is to be served, where one is.
+    place: Option<Place>,
+}
+
+impl<'a> Job<'a> {
+    pub fn new(args: &'a BabbleArguments) -> Result<Job<'a>, Failure> {
+        is_there(&args.model, "babble")?;
+        let embodied = embodied(args.open.source(&args.model, args.joints.clone().unwrap_or_default()))?;
+        let setup = args.request().setup(&embodied)?;
+        // Whether it can be watched is told before any folder is made.
+        Ok(Job { args, embodied, setup, place: args.live.place()? })
     }
-    let lock = session_folder(args.out.as_deref(), prepared.embodied.creature().name(), args.force)?;
-    let provenance = Provenance { command: output::command_line(), asked: prepared.asked(args) };
-    let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
-    prepared.babble(args, lock, session)
+
+    /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may
+    /// choose otherwise.
+    fn provenance(&self) -> Provenance {
+        let SessionSetup { babbling, policy, learning, .. } = &self.setup;
+        let asked = serde_json::to_value(BabbleArguments {
+            touches: Some(babbling.touches),
+            policy: Some(*policy),
+            work: self.args.request().work(),
+            learning: self.args.learning.chosen(learning.learner),
+            ..self.args.clone()
+        });
+        // A session of files whose names are not in UTF-8 cannot be resumed.
+        Provenance { command: output::command_line(), asked: asked.unwrap_or_default() }
+    }
+
+    /// Begins a session whose touches are made by `make`, and learns from them.
+    pub fn begin(
+        mut self,
+        lock: FolderLock,
+        make: impl FnOnce(BabblingSession, &dyn Observer) -> Result<BabbledSession, Error>,
+    ) -> Outcome {
+        let place = self.place.take();
+        let session = BabblingSession::begin(&self.embodied, &self.setup, &lock, self.provenance())?;
+        self.complete(lock, place, session.made(), |observers| make(session, observers))
+    }
+
+    /// Does what is missing in a session's folder: touches, made by `make`, learning, the report.
+    pub fn go_on(
+        mut self,
+        lock: FolderLock,
+        make: impl FnOnce(BabblingSession, &dyn Observer) -> Result<BabbledSession, Error>,
+    ) -> Outcome {
+        let (folder, page) = (lock.folder().to_path_buf(), self.place.take());
+        let place = folder.display();
+        let session = Session::read(&folder)?;
+        match BabblingSession::resume(&self.embodied, &self.setup, &lock, session)? {
+            ResumedSession::Babbling(session) => {
+                if session.zeros() > 0 {
+                    let zeros = session.zeros();
+                    tell!(
+                        "{place}: its log ended in {zeros} zero bytes, as a power failure leaves them: they are dropped"
+                    );
+                }
+                let (made, all) = (session.made(), self.setup.babbling.touches);
+                tell!("{place}: going on after touch {made} of {all}");
+                self.complete(lock, page, made, |observers| make(*session, observers))
+            }
+            ResumedSession::Babbled(babbled) if folder.join(REPORT_FILE).exists() => {
+                tell!("{place} is complete: nothing is left to do");
+                if self.args.json {
+                    let touches = babbled.touches.len();
+                    output::json(&json!({"session": folder, "touches": touches, "complete": true}))?;
+                }
+                Ok(())
+            }
+            ResumedSession::Babbled(babbled) => {
+                let touches = babbled.touches.len();
+                tell!("{place}: all {touches} touches are there; learning from them");
+                self.complete(lock, page, touches, |_| Ok(*babbled))
+            }
+        }
+    }
+
+    /// Makes touches while somebody may look on, learns from all of them, and prints the result.
+    fn complete(
+        &self,
+        lock: FolderLock,
+        page: Option<Place>,
+        made: usize,
+        make: impl FnOnce(&dyn Observer) -> Result<BabbledSession, Error>,
+    ) -> Outcome {
+        let live = page.map(|page| Live::new(page, &self.embodied, &self.setup, made)).transpose()?;
+        let bars = Bars::default();
+        let pages = live.iter().map(|live| live.view() as &dyn Observer);
+        let observers: Vec<&dyn Observer> = std::iter::once(&bars as &dyn Observer).chain(pages).collect();
+        let babbled = make(&observers)?;
+        let truth = Some(self.embodied.truth());
+        if let Some(limit) = babbled.session.effort.and_then(|effort| effort.ended_by) {
+            tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
+        }
+        let result =
+            learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.args.json)?;
+        if let Some(limit) = result.ended_by {
+            tell!("the search for what explains them ended {limit}");
+        }
+        live.iter().for_each(|live| live.done(lock.place(), &result));
+        // Who goes on looking keeps nobody from the folder.
+        drop(lock);
+        live.iter().for_each(Live::rest);
+        Ok(())
+    }
+}
+
+/// Goes on with a session that was interrupted.
+fn resume(folder: &Path, given: &BabbleArguments) -> Outcome {
+    let lock = written_session(folder)?;
+    let mut args = BabbleArguments::of_session(&Session::read(folder)?, folder)?;
+    (args.jobs, args.json, args.live) = (given.jobs, given.json, given.live.clone());
+    Job::new(&args)?.go_on(lock, |session, observers| session.babble(observers))
+}
+
+/// Makes one share of a session in its place below a folder, or what is missing of it; `bodyschema study merge` puts it
+/// together with the others.
+fn make_share(job: &Job, share: Share, folder: &Path) -> Outcome {
+    let lock = take_share(folder, share, SESSION_FILE)?;
+    let place = lock.folder();
+    let session = match BabblingSession::take_up(&job.embodied, &job.setup, &lock, job.provenance())? {
+        ResumedSession::Babbled(babbled) => {
+            tell!("{} is complete: nothing is left to do", place.display());
+            babbled.session
+        }
+        ResumedSession::Babbling(babbling) => {
+            if babbling.made() > 0 {
+                tell!("{}: going on after touch {}", place.display(), babbling.made());
+            }
+            babbling.babble(&Bars::default())?.session
+        }
+    };
+    let effort = session.effort;
+    let touches = effort.and_then(|effort| effort.touches).unwrap_or_default();
+    if let Some(effort) = effort.filter(|effort| effort.touches == Some(0)) {
+        tell!("nothing was touched in {} motions of this share", effort.of_motions.motions);
+    }
+    if job.args.json {
+        return output::json(&json!({
+            "share": share.to_string(),
+            "touches": touches,
+            "motions": effort.map(|effort| effort.of_motions.motions),
+            "babbling_s": effort.map(|effort| effort.babbling_s),
+            "folder": place,
+        }));
+    }
+    say!("share {share}: {touches} touches, in {}", place.display());
+    say!("next, when all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
+    Ok(())
 }

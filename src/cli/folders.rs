@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use crate::session::{
     FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, SCHEMA_FILE,
-    SENSATIONS_FILE, SESSION_FILE, SPACE_FILE, Session, TOUCHES_FILE,
+    SENSATIONS_FILE, SESSION_FILE, SHARES_FOLDER, SPACE_FILE, Session, Shares, TOUCHES_FILE,
 };
+use crate::share::Share;
 use crate::view::report::REPORT_FILE;
 
 /// Files that a session writes, any of which would be lost if one began where it is.
@@ -53,6 +54,18 @@ pub fn written_session(folder: &Path) -> Result<FolderLock, Failure> {
         Session::read(folder)?;
     }
     Ok(FolderLock::take(folder)?)
+}
+
+/// The place of a share below a folder, which is made; `whole` is a file that is in a folder of work that was not cut into
+/// shares.
+pub fn take_share(folder: &Path, share: Share, whole: &str) -> Result<FolderLock, Failure> {
+    if folder.join(whole).exists() && !folder.join(SHARES_FOLDER).exists() {
+        return Err(Failure(format!(
+            "{} holds work that was not cut into shares ({whole}): give another folder with --out",
+            folder.display()
+        )));
+    }
+    Ok(FolderLock::make(&Shares::folder(folder, share))?)
 }
 
 /// The folder named, unless one of some files is in it already and may not be replaced, else the first that is free of

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::folders::{Force, session_folder, written_session};
-use super::learned::{learn_and_report, print_learned, warn_truncated};
+use super::learned::{learn_and_print, warn_truncated};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
 use super::progress::Bars;
@@ -93,14 +93,14 @@ pub fn run(args: &LearnArguments) -> Outcome {
     if let Some(made) = made {
         made.write(lock.part()?)?;
     }
-    let result = learn_and_report(&lock, &babbled, &learning, truth.as_ref(), &bars)?;
+    let result = learn_and_print(&lock, &babbled, &learning, truth.as_ref(), &bars, args.json)?;
     if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
         tell!(
             "these touches are explained where points are in the limbs' own frames, as URDF has them, which are not parallel at \
              zero: learn with `--frames limb --input contact`"
         );
     }
-    print_learned(lock.place(), &babbled.session, &babbled.touches, &learning, &result, args.json)
+    Ok(())
 }
 
 /// Whether the points of a recording that is not learned are explained in frames of the limbs' own.

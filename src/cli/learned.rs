@@ -4,19 +4,18 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::again::with_option;
-use super::{Failure, Outcome, output};
-use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
+use super::{Failure, output};
+use crate::evaluation::{CramerRaoBound, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::senses::{RecordedTouch, limb_pairs};
+use crate::senses::limb_pairs;
 use crate::session::words::listed;
 use crate::session::{
     BabbledSession, DisturbanceLevels, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer,
-    Session, TouchLog, learn_session,
+    TouchLog, learn_session,
 };
 use crate::simulation::MotionName;
-use crate::view::report::{REPORT_FILE, write_report};
+use crate::view::report::{REPORT_FILE, error_rows, summaries, write_report};
 use crate::view::text::{self, plural, shell_words};
 use crate::view::tone::Tone;
 
@@ -25,14 +24,15 @@ const UNCONFIRMED: &str = "no held-out touches confirm the schema";
 /// Where touches told too little, so many times as many are proposed.
 const MORE: usize = 3;
 
-/// Learns from a session's touches, and writes all that comes of it into its folder at once, the report as well. A schema that
-/// is there, stood up to fresh touches and was learned otherwise is kept beside it.
-pub fn learn_and_report(
+/// Learns from a session's touches, writes all that comes of it into its folder at once, the report as well, and prints it. A
+/// schema that is there, stood up to fresh touches and was learned otherwise is kept beside it.
+pub fn learn_and_print(
     lock: &FolderLock,
     babbled: &BabbledSession,
     options: &LearningOptions,
     truth: Option<&GroundTruth>,
     observer: &dyn Observer,
+    as_json: bool,
 ) -> Result<LearnedSession, Failure> {
     let command = output::command_line();
     let (folder, creature) = (lock.part()?, babbled.session.agent.creature());
@@ -53,130 +53,175 @@ pub fn learn_and_report(
         );
     }
     lock.commit()?;
+    let printed = Printed { folder: lock.place(), babbled, options, result: &result };
+    if as_json {
+        output::json(&printed.to_json())?;
+    } else {
+        printed.print();
+    }
     Ok(result)
 }
 
-/// Prints what was learned, as a table or one JSON object.
-pub fn print_learned(
-    folder: &Path,
-    session: &Session,
-    touches: &[RecordedTouch],
-    options: &LearningOptions,
-    result: &LearnedSession,
-    as_json: bool,
-) -> Outcome {
-    if as_json {
-        return output::json(&to_json(folder, session, touches, options, result));
+/// What is printed of what was learned.
+struct Printed<'a> {
+    folder: &'a Path,
+    babbled: &'a BabbledSession,
+    options: &'a LearningOptions,
+    result: &'a LearnedSession,
+}
+
+impl Printed<'_> {
+    /// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
+    fn depth_mm(&self) -> Option<Summary> {
+        let depths = || {
+            self.babbled
+                .touches
+                .iter()
+                .filter_map(|touch| touch.exact_contact().depth)
+                .map(|depth| 1e3 * depth)
+        };
+        depths().next().map(|_| Summary::of(depths()))
     }
-    print_table(folder, session, touches, options, result);
-    Ok(())
-}
 
-/// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
-fn depth_mm(touches: &[RecordedTouch]) -> Option<Summary> {
-    let depths = || touches.iter().filter_map(|touch| touch.exact_contact().depth).map(|depth| 1e3 * depth);
-    depths().next().map(|_| Summary::of(depths()))
-}
+    /// The one JSON object of `babble` and `learn`.
+    fn to_json(&self) -> Value {
+        let Printed { babbled: BabbledSession { session, touches, .. }, options, result, .. } = self;
+        let summary = |s: Option<Summary>| s.map_or(Value::Null, |s| json!(s));
+        let evaluation = result.evaluation.as_ref();
+        let how = json!({
+            "creature": session.agent.creature().name(),
+            "joints": session.agent.creature().joints().len(),
+            "dof": session.agent.creature().dof(),
+            "touches": touches.len(),
+            "motions": session.effort.map(|effort| effort.of_motions.motions),
+            "limb_pairs": limb_pairs(session.agent.skin(), touches).len(),
+            "babbling_s": session.effort.map(|effort| effort.babbling_s),
+            "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
+            "simulated_s": session.effort.and_then(|effort| effort.simulated_s()),
+            "depth_mm": summary(self.depth_mm()),
+            "learning_s": result.record.seconds,
+            "ended_by": { "babbling": session.effort.and_then(|effort| effort.ended_by), "learning": result.ended_by },
+            "seed": session.seed,
+            "policy": session.options.policy,
+            "learner": options.learner.name(),
+            "input": options.input().to_string(),
+            "knowledge": options.knowledge(),
+            "frames": options.frames.to_string(),
+            "known": options.known_json(session.agent.creature()),
+            "initial_guesses": result.learned.initial_guesses,
+            "disturbances": options.disturbances,
+            "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
+            "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
+            "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
+            "bound_mm": evaluation.and_then(|e| e.bound_mm),
+            "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
+            "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
+            "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
+            "expected_mm": result.own_account.and_then(|account| account.expected_mm),
+            "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
+            "changes": result.changes,
+            "session": self.folder,
+        });
+        output::joined(how, result.record.knowledge_json())
+    }
 
-/// The one JSON object of `babble` and `learn`.
-fn to_json(
-    folder: &Path,
-    session: &Session,
-    touches: &[RecordedTouch],
-    options: &LearningOptions,
-    result: &LearnedSession,
-) -> Value {
-    let summary = |s: Option<Summary>| s.map_or(Value::Null, |s| json!(s));
-    let evaluation = result.evaluation.as_ref();
-    let how = json!({
-        "creature": session.agent.creature().name(),
-        "joints": session.agent.creature().joints().len(),
-        "dof": session.agent.creature().dof(),
-        "touches": touches.len(),
-        "motions": session.effort.map(|effort| effort.of_motions.motions),
-        "limb_pairs": limb_pairs(session.agent.skin(), touches).len(),
-        "babbling_s": session.effort.map(|effort| effort.babbling_s),
-        "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
-        "simulated_s": session.effort.and_then(|effort| effort.simulated_s()),
-        "depth_mm": summary(depth_mm(touches)),
-        "learning_s": result.record.seconds,
-        "ended_by": { "babbling": session.effort.and_then(|effort| effort.ended_by), "learning": result.ended_by },
-        "seed": session.seed,
-        "policy": session.options.policy,
-        "learner": options.learner.name(),
-        "input": options.input().to_string(),
-        "knowledge": options.knowledge(),
-        "frames": options.frames.to_string(),
-        "known": options.known_json(session.agent.creature()),
-        "initial_guesses": result.learned.initial_guesses,
-        "disturbances": options.disturbances,
-        "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
-        "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
-        "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
-        "bound_mm": evaluation.and_then(|e| e.bound_mm),
-        "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
-        "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
-        "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
-        "expected_mm": result.own_account.and_then(|account| account.expected_mm),
-        "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
-        "changes": result.changes,
-        "session": folder,
-    });
-    output::joined(how, result.record.knowledge_json())
-}
-
-/// The short table of what was learned.
-fn print_table(
-    folder: &Path,
-    session: &Session,
-    touches: &[RecordedTouch],
-    options: &LearningOptions,
-    result: &LearnedSession,
-) {
-    let creature = session.agent.creature();
-    say!(
-        "{}: {}, {} degrees of freedom, from {} of {}",
-        creature.name(),
-        plural(creature.joints().len(), "joint"),
-        creature.dof(),
-        text::touches(touches.len()),
-        plural(limb_pairs(session.agent.skin(), touches).len(), "pair of limbs")
-    );
-    if let Some(depth) = depth_mm(touches) {
-        let simulated = session.effort.and_then(|effort| effort.simulated_s());
+    /// The short table of what was learned.
+    fn print(&self) {
+        let Printed { babbled: BabbledSession { session, touches, .. }, options, result, .. } = self;
+        let creature = session.agent.creature();
         say!(
-            "moved by servos{}: limbs {} mm deep in each other on the median, {} mm at 95 %",
-            simulated.map_or(String::new(), |seconds| format!(" for {seconds:.0} simulated seconds")),
-            output::number(depth.median),
-            output::number(depth.p95)
+            "{}: {}, {} degrees of freedom, from {} of {}",
+            creature.name(),
+            plural(creature.joints().len(), "joint"),
+            creature.dof(),
+            text::touches(touches.len()),
+            plural(limb_pairs(session.agent.skin(), touches).len(), "pair of limbs")
+        );
+        if let Some(depth) = self.depth_mm() {
+            let simulated = session.effort.and_then(|effort| effort.simulated_s());
+            say!(
+                "moved by servos{}: limbs {} mm deep in each other on the median, {} mm at 95 %",
+                simulated.map_or(String::new(), |seconds| format!(" for {seconds:.0} simulated seconds")),
+                output::number(depth.median),
+                output::number(depth.p95)
+            );
+        }
+        say!(
+            "learner {} on {}: {} random initial guess{}, {:.2} s",
+            options.learner.name(),
+            options.knowledge(),
+            result.learned.initial_guesses,
+            if result.learned.initial_guesses == 1 { "" } else { "es" },
+            result.record.seconds.unwrap_or_default()
+        );
+        if let Some(known) = options.known_words(creature) {
+            say!("prior knowledge of joints: {known}");
+        }
+        if options.disturbances != DisturbanceLevels::default() {
+            say!("disturbances: {}", options.disturbances);
+        }
+        print_knowledge(&result.record);
+        result.changes.iter().for_each(|change| say!("{change}"));
+        say!("");
+        match &result.evaluation {
+            None => self.print_own_account(),
+            Some(evaluation) => {
+                output::table(&summaries(error_rows(evaluation)));
+                evaluation.bound_mm.iter().for_each(print_bound);
+            }
+        }
+        if let Some(undisturbed) = &result.undisturbed_heldout_mm {
+            say!("without the disturbances: {} mm", output::number(undisturbed.mean));
+        }
+        say!("\nsession: {}", self.folder.display());
+        say!("next: {}", self.next());
+    }
+
+    /// What to do with what was learned, or with what was not.
+    fn next(&self) -> String {
+        let Printed { babbled, options, result, .. } = self;
+        let folder = shell_words(&[self.folder.display().to_string()]);
+        if result.learned.verdict.converged() {
+            return format!(
+                "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema report {folder}` shows what is \
+             certain and what is not"
+            );
+        }
+        let strongest = LevenbergMarquardt.name();
+        if ![strongest, PartByPart.name()].contains(&options.learner.name()) {
+            return format!(
+                "`bodyschema learn {folder} --learner {strongest}` learns from the same touches by the strongest learner"
+            );
+        }
+        let more = match (&babbled.session.recording, shell_words(&babbled.session.command)) {
+            (Some(_), _) => "record more touches, of more pairs of limbs".to_string(),
+            (None, command) => {
+                let touches = MORE * babbled.touches.len().max(babbled.session.options.touches);
+                format!("touch more, with --touches {touches} and a folder of its own in `{command}`")
+            }
+        };
+        format!("{more}; {folder}/{REPORT_FILE} shows which limbs and joints these exercise")
+    }
+
+    /// What can be told without the truth.
+    fn print_own_account(&self) {
+        let result = self.result;
+        if let Some(account) = &result.own_account {
+            if let Some(fresh) = &account.fresh_mm {
+                output::table(&summaries([("touches not fitted to, apart", "mm", *fresh)]));
+            }
+            if let Some(expected) = account.expected_mm {
+                say!(
+                    "  by its own account skin is {} mm off in another limb's frame (root mean square)",
+                    output::number(expected)
+                );
+            }
+            say!("");
+        }
+        say!(
+            "no model, so nothing is compared with the truth (--model names one); `bodyschema report` prints more"
         );
     }
-    say!(
-        "learner {} on {}: {} random initial guess{}, {:.2} s",
-        options.learner.name(),
-        options.knowledge(),
-        result.learned.initial_guesses,
-        if result.learned.initial_guesses == 1 { "" } else { "es" },
-        result.record.seconds.unwrap_or_default()
-    );
-    if let Some(known) = options.known_words(creature) {
-        say!("prior knowledge of joints: {known}");
-    }
-    if options.disturbances != DisturbanceLevels::default() {
-        say!("disturbances: {}", options.disturbances);
-    }
-    print_knowledge(&result.record);
-    result.changes.iter().for_each(|change| say!("{change}"));
-    say!("");
-    match &result.evaluation {
-        None => print_own_account(result),
-        Some(evaluation) => print_evaluation(evaluation),
-    }
-    if let Some(undisturbed) = &result.undisturbed_heldout_mm {
-        say!("without the disturbances: {} mm", output::number(undisturbed.mean));
-    }
-    say!("\nsession: {}", folder.display());
-    say!("next: {}", next(folder, session, touches.len(), options, result));
 }
 
 /// The verdict, and what is not known: the same words from every command.
@@ -195,86 +240,8 @@ pub fn print_knowledge(record: &LearningRecord) {
     }
 }
 
-/// What to do with what was learned, or with what was not.
-fn next(
-    folder: &Path,
-    session: &Session,
-    touches: usize,
-    options: &LearningOptions,
-    result: &LearnedSession,
-) -> String {
-    let folder = shell_words(&[folder.display().to_string()]);
-    if result.learned.verdict.converged() {
-        return format!(
-            "open {folder}/{REPORT_FILE} in a browser; `bodyschema view {folder}` moves the body, `bodyschema report {folder}` shows what is \
-             certain and what is not"
-        );
-    }
-    let strongest = LevenbergMarquardt.name();
-    if ![strongest, PartByPart.name()].contains(&options.learner.name()) {
-        return format!(
-            "`bodyschema learn {folder} --learner {strongest}` learns from the same touches by the strongest learner"
-        );
-    }
-    let more = match session.recording {
-        None => format!("`{}` touches more", more_touches(session, touches)),
-        Some(_) => "record more touches, of more pairs of limbs".to_string(),
-    };
-    format!("{more}; {folder}/{REPORT_FILE} shows which limbs and joints these exercise")
-}
-
-/// The command line that made a session, for more touches in a folder of their own.
-fn more_touches(session: &Session, touches: usize) -> String {
-    let made = ["bodyschema", "babble", &session.model].map(str::to_string);
-    let command = if session.command.len() < 2 { &made[..] } else { &session.command };
-    let more = (MORE * touches.max(session.options.touches)).to_string();
-    // The folder is another one, and what was a share is all of it.
-    let alone = with_option(&with_option(command, "--out", None), "--shard", None);
-    let mut words = with_option(&alone, "--touches", Some(&more));
-    words.retain(|word| word != "--force");
-    words[0] = "bodyschema".into();
-    shell_words(&words)
-}
-
-/// What can be told without the truth.
-fn print_own_account(result: &LearnedSession) {
-    if let Some(account) = &result.own_account {
-        if let Some(fresh) = &account.fresh_mm {
-            output::head();
-            output::row("touches not fitted to, apart", "mm", fresh);
-        }
-        if let Some(expected) = account.expected_mm {
-            say!(
-                "  by its own account skin is {} mm off in another limb's frame (root mean square)",
-                output::number(expected)
-            );
-        }
-        say!("");
-    }
-    say!(
-        "no model, so nothing is compared with the truth (--model names one); `bodyschema report` prints more"
-    );
-}
-
-/// The error measures as a table.
-pub fn print_evaluation(evaluation: &Evaluation) {
-    output::head();
-    output::row("skin in another limb's frame", "mm", &evaluation.heldout_mm);
-    if evaluation.determined_mm.max < evaluation.heldout_mm.max {
-        output::row("the same, of located limbs", "mm", &evaluation.determined_mm);
-    }
-    if let Some(hand) = &evaluation.hand_mm {
-        output::row("with a hand as one of the two", "mm", hand);
-    }
-    output::row("angle between axes", "°", &evaluation.axis_deg);
-    output::row("distance between axis lines", "mm", &evaluation.axis_line_mm);
-    if let Some(bound) = &evaluation.bound_mm {
-        print_bound(bound);
-    }
-}
-
 /// The error beside its bound, both as root mean squares.
-fn print_bound(bound: &CramerRaoBound) {
+pub fn print_bound(bound: &CramerRaoBound) {
     let CramerRaoBound { error_rms, ratio, bound_rms, at_floor, .. } = bound;
     let beside = match at_floor {
         true => "touches are explained to the numerical floor".to_string(),

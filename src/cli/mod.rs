@@ -13,10 +13,8 @@ macro_rules! tell {
     ($($text:tt)*) => { $crate::cli::message::line(format_args!($($text)*)) };
 }
 
-mod again;
 mod arguments;
 mod babble;
-mod babbling;
 mod calibrate;
 mod completions;
 mod ends_with;
@@ -36,8 +34,6 @@ mod progress;
 mod reach;
 mod render;
 mod report;
-mod resume;
-mod shard;
 mod skin;
 mod study;
 mod talk;
@@ -93,7 +89,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     // What each is for stands over its arguments: there help has it whole.
-    Babble(babbling::BabbleArguments),
+    Babble(babble::BabbleArguments),
     Learn(learn::LearnArguments),
     Calibrate(calibrate::CalibrateArguments),
     Plan(calibrate::plan::PlanArguments),

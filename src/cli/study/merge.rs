@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::{FILES, save};
-use crate::cli::again::with_option;
-use crate::cli::babbling::Prepared;
+use crate::cli::babble::{BabbleArguments, Job};
 use crate::cli::folders::{Force, free_folder, session_folder, written_session};
-use crate::cli::resume::{args_of, finish};
-use crate::cli::{Failure, Outcome, output};
+use crate::cli::{Failure, Outcome};
+use crate::session::words::listed;
 use crate::session::{
-    BabbledShares, BabblingSession, FolderLock, Provenance, ResumedSession, SESSION_FILE, STUDY_FILE,
-    Session, ShareRecord, Shares, Unready,
+    BabbledShares, BabblingSession, FolderLock, Observer, SESSION_FILE, STUDY_FILE, ShareRecord, Shares,
+    Unready,
 };
 use crate::share::Share;
 use crate::study::{MadeTrials, StudyShare};
@@ -83,22 +82,14 @@ fn study(args: &MergeArguments, trials: MadeTrials) -> Outcome {
 /// Puts a session together.
 fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
     let folder = &args.folder;
-    let mut babble = args_of(shares.session(), folder)?;
+    let mut babble = BabbleArguments::of_session(shares.session(), folder)?;
     (babble.jobs, babble.json, babble.out) = (args.jobs, args.json, Some(folder.clone()));
-    let prepared = Prepared::new(&babble)?;
-    if !folder.join(SESSION_FILE).exists() {
-        let lock = session_folder(Some(folder), "", Force::default())?;
-        let asked = shares.session().options.asked.clone();
-        let provenance = Provenance { command: output::command_line(), asked };
-        let session = BabblingSession::begin(&prepared.embodied, &prepared.setup, &lock, provenance)?;
-        return prepared.put_together(&babble, lock, session, shares);
+    let job = Job::new(&babble)?;
+    let make = |session: BabblingSession, observer: &dyn Observer| session.put_together(shares, observer);
+    if folder.join(SESSION_FILE).exists() {
+        return job.go_on(written_session(folder)?, make);
     }
-    let lock = written_session(folder)?;
-    let session = Session::read(folder)?;
-    match BabblingSession::resume(&prepared.embodied, &prepared.setup, &lock, session)? {
-        ResumedSession::Babbling(session) => prepared.put_together(&babble, lock, *session, shares),
-        ResumedSession::Babbled(babbled) => finish(&prepared, &babble, lock, &babbled),
-    }
+    job.begin(session_folder(Some(folder), "", Force::default())?, make)
 }
 
 /// What is to be done before shares can be put together.
@@ -107,25 +98,17 @@ fn refusal(folder: &Path, unready: &Unready) -> Failure {
     let what = [("missing", &unready.missing), ("not finished", &unready.unfinished)];
     let what = what.into_iter().filter(|(_, shares)| !shares.is_empty());
     let what: Vec<String> = what.map(|(how, shares)| format!("{how}: {}", named(shares))).collect();
-    let how = match all.first() {
-        Some(first) if !unready.command.is_empty() => {
-            format!(": `{}`", with_share(&unready.command, *first))
-        }
-        _ => " again".into(),
-    };
+    let first = all.first().map_or(String::new(), |share| format!(" with --shard {share}"));
     let rest = if all.len() > 1 { ", and so on" } else { "" };
-    Failure(format!("{}: of its shares some are {}: make them{how}{rest}", folder.display(), what.join("; ")))
+    let like = match shell_words(&unready.command) {
+        command if command.is_empty() => String::new(),
+        command => format!("; the others were made as in `{command}`"),
+    };
+    let what = what.join("; ");
+    Failure(format!("{}: of its shares some are {what}: make them{first}{rest}{like}", folder.display()))
 }
 
 /// Shares by their names, not all of very many.
 fn named(shares: &[Share]) -> String {
-    const MOST: usize = 10;
-    let names: Vec<String> = shares.iter().take(MOST).map(Share::to_string).collect();
-    let more = shares.len().saturating_sub(MOST);
-    if more > 0 { format!("{} and {more} more", names.join(", ")) } else { names.join(", ") }
-}
-
-/// A command line that made some share, for another.
-fn with_share(command: &[String], share: Share) -> String {
-    shell_words(&with_option(command, "--shard", Some(&share.to_string())))
+    listed(&shares.iter().map(Share::to_string).collect::<Vec<_>>())
 }

@@ -12,9 +12,8 @@ use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::arguments::{positive, touch_count};
-use super::folders::{Force, free_folder};
+use super::folders::{Force, free_folder, take_share};
 use super::open::{MAX, ModelArguments, embodied, is_there};
-use super::shard::take_share;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::error::Error;
