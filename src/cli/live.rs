@@ -3,31 +3,16 @@
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
-use std::sync::{Arc, mpsc};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
 
-use super::happening::happens;
-use super::typed::Typed;
-use super::{Failure, Outcome, output};
-use crate::interaction::{Conversation, Reply};
+use super::{Failure, Outcome};
 use crate::session::{Embodied, LearnedSession, SessionSetup};
-use crate::simulation::Stage;
-use crate::view::live::{Asked, BabblingView, LivePage, LookingView, Server, TableView};
+use crate::view::live::{BabblingView, LivePage, LookingView, Server};
 use crate::view::report::REPORT_FILE;
 
 /// Where a page is served unless told otherwise; where that port is taken, at a free one.
 const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8042);
 const HERE_TEXT: &str = "127.0.0.1:8042";
-/// How often a page that shows a scene is told of it.
-const SHOWN_EVERY: Duration = Duration::from_millis(30);
-/// How long a touch is seen before anything is done about it.
-const SEEN: Duration = Duration::from_millis(300);
-/// How late simulated time may be to be caught up with: what is later has stood still to think.
-const LATE: Duration = Duration::from_millis(100);
-
-/// Most requests of pages that wait while he is at one.
-const MOST_ASKED: usize = 16;
-
 /// Where a page is served: taken already.
 pub struct Place {
     listener: TcpListener,
@@ -134,7 +119,7 @@ fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
     })
 }
 
-fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
+pub fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
     let server = Server::new(place.listener, view)
         .map_err(|error| Failure(format!("no page can be served ({error}): go on without --live")))?;
     tell!("live at http://{}/", server.address());
@@ -147,99 +132,6 @@ fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
         tell!("no browser can be opened ({error}): open that address yourself");
     }
     Ok(server)
-}
-
-/// What is heard of a partner.
-enum Heard {
-    Asked(Asked),
-    /// Standard input has ended.
-    End,
-}
-
-/// A conversation on a page and on standard input, with which it ends.
-pub fn talk(mut conversation: Conversation, stage: &Stage, place: Place, name: &str, json: bool) -> Outcome {
-    let (ask, asked) = mpsc::sync_channel(MOST_ASKED);
-    let view = Arc::new(TableView::new(stage, ask)?);
-    let server = serve(place, view.clone())?;
-    let (looked_on, mut shown) = (view.clone(), Instant::now());
-    let (mut clock, mut simulated) = (Instant::now(), stage.time());
-    stage.watched_by(Box::new(move |stage, felt| {
-        // No faster than it would really be.
-        let (really, here) = (clock.elapsed(), Duration::from_secs_f64((stage.time() - simulated).max(0.0)));
-        if really > here + LATE {
-            (clock, simulated) = (Instant::now(), stage.time());
-        }
-        std::thread::sleep(here.saturating_sub(really));
-        if shown.elapsed() >= SHOWN_EVERY {
-            looked_on.shows(stage, felt);
-            shown = Instant::now();
-        }
-    }));
-    let (hear, heard) = mpsc::sync_channel(0);
-    let typed = hear.clone();
-    std::thread::spawn(move || {
-        let Ok(mut lines) = Typed::new() else { return };
-        // Who never typed a line, as where standard input is /dev/null, is no partner to end it.
-        let mut partner = lines.in_terminal();
-        while let Ok(Some(line)) = lines.line() {
-            partner = true;
-            if !line.is_empty() && typed.send(Heard::Asked(Asked::Say(line))).is_err() {
-                return;
-            }
-        }
-        if partner {
-            let _ = typed.send(Heard::End);
-        }
-    });
-    std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Heard::Asked(asked))));
-    tell!("{name} listens, on the page and here");
-    while let Ok(Heard::Asked(asked)) = heard.recv() {
-        if let Asked::Say(text) = &asked
-            && let Some(direction) = text.strip_prefix('/')
-        {
-            let told = happens(stage, direction).unwrap_or_else(|Failure(why)| why);
-            view.says("the scene", &told, false);
-            view.shows(stage, &[]);
-            tell!("{told}");
-            continue;
-        }
-        let (request, reply) = answered(&mut conversation, &view, asked)?;
-        view.shows(stage, &[]);
-        view.says(name, &reply.said, false);
-        if json {
-            output::line(format_args!("{}", reply.to_json(&request)));
-        } else {
-            say!("> {request}\n{}", reply.said);
-        }
-        if conversation.is_over() {
-            break;
-        }
-    }
-    view.ends();
-    drop(server);
-    Ok(())
-}
-
-/// What is asked in words, and the answer once it is done.
-fn answered(
-    conversation: &mut Conversation,
-    view: &TableView,
-    asked: Asked,
-) -> Result<(String, Reply), Failure> {
-    match asked {
-        Asked::Say(text) => {
-            view.says("you", &text, true);
-            Ok((text.clone(), conversation.hear(&text)?))
-        }
-        Asked::Touch(receptor) => {
-            let id = &conversation.actor.own.skin().receptors[receptor].id;
-            let text = format!("(touches {id})");
-            view.says("you", &text, true);
-            view.feels(&[receptor]);
-            std::thread::sleep(SEEN);
-            Ok((text, conversation.touched(receptor)?))
-        }
-    }
 }
 
 #[cfg(test)]

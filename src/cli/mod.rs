@@ -20,7 +20,6 @@ mod completions;
 mod ends_with;
 mod export;
 mod folders;
-mod happening;
 mod inspect;
 mod learn;
 mod learned;

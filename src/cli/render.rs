@@ -5,18 +5,14 @@ mod session;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use nalgebra::Point3;
-
 use super::open::{ModelArguments, open_to_draw};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, Creature, DofKind, JointSelection, Posture};
 use crate::error::Error;
-use crate::mujoco::{Camera, Data, Image, Model, PICTURE_SIDES, Renderer};
+use crate::mujoco::{Camera, Image, PICTURE_SIDES, Renderer};
 use crate::session::words::listed;
 use crate::session::{MadeFolders, SESSION_FILE, folder_of, model_hash};
-use crate::view::picture::{
-    Direction, Film, Shot, Storyboard, draw, frame, is_film, outline, outline_of, png,
-};
+use crate::view::picture::{Direction, Drawing, Film, Shot, is_film, png};
 
 /// Draw a model in a posture, or a session, as a picture or a film.
 ///
@@ -97,31 +93,6 @@ fn frames_per_second(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "give a number from 1 to 240".into())
 }
 
-/// What is drawn: a model, and what moves in it.
-struct RenderSubject {
-    /// The file, for messages about it.
-    place: String,
-    model: Arc<Model>,
-    body: Option<Body>,
-    /// Whether only the creature is to fill the picture, and not all that is about it.
-    alone: bool,
-}
-
-impl RenderSubject {
-    /// Data in a posture, poses computed.
-    fn data(&self, qpos: &[f64]) -> Result<Data, Failure> {
-        let mut data = Data::new(self.model.clone())?;
-        data.set_qpos(qpos)?;
-        data.kinematics()?;
-        Ok(data)
-    }
-
-    /// Whether a geom is the creature's.
-    fn is_own(&self, geom: usize) -> bool {
-        self.body.as_ref().is_some_and(|body| body.limb_of_geom(geom).is_some())
-    }
-}
-
 pub fn run(args: &RenderArguments) -> Outcome {
     let film = is_film(&args.out);
     let out = args.out.display();
@@ -141,25 +112,27 @@ pub fn run(args: &RenderArguments) -> Outcome {
         return Err(Failure(format!("{out}: {option} makes a {what}: {fix}")));
     }
     let spinner = progress::spinner("getting ready");
-    let (subject, plan) =
-        if args.what.join(SESSION_FILE).exists() { session::plan(args, film)? } else { model(args, film)? };
+    let drawing = if args.what.join(SESSION_FILE).exists() {
+        session::drawing(args, film)?
+    } else {
+        model(args, film)?
+    };
     let [width, height] = args.size;
-    let mut renderer = Renderer::new(&subject.model, width, height)
+    let mut renderer = Renderer::new(&drawing.model, width, height)
         .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;
-    let camera = camera(args, &subject, &plan, &renderer)?;
+    let camera = camera(args, &drawing, &renderer)?;
     spinner.finish_and_clear();
-    let shaded = |geom: usize| plan.shaded && subject.is_own(geom);
-    let mut picture = |shot: &Shot| draw(&mut renderer, shot, camera, &shaded);
+    let mut picture = |shot: &Shot| drawing.draw(&mut renderer, shot, camera);
     if !film {
-        output::file(&args.out, png(&picture(&plan.shots[0])?))?;
+        output::file(&args.out, png(&picture(&drawing.shots[0])?))?;
         say!("{out}");
         return Ok(());
     }
     let _made = MadeFolders::make(folder_of(&args.out)).map_err(Error::unwritable(&args.out))?;
     let mut film = Film::begin(&args.out, args.size, args.frames_per_second)?;
-    let bar = progress::counted("drawing", plan.shots.len() as u64, "frames");
+    let bar = progress::counted("drawing", drawing.shots.len() as u64, "frames");
     let mut drawn: Option<(&Shot, Image)> = None;
-    for shot in &plan.shots {
+    for shot in &drawing.shots {
         // What stands still is drawn once.
         let image = match drawn.take().filter(|(before, _)| *before == shot) {
             Some((_, image)) => image,
@@ -176,7 +149,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
 }
 
 /// A model in a posture.
-fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboard), Failure> {
+fn model(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     let place = args.what.display().to_string();
     let of_session = [
         (args.touch.is_some(), "--touch"),
@@ -210,62 +183,39 @@ fn model(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboar
         body.write_qpos(&posture(args, &body.creature)?, &mut qpos);
     }
     let shots = vec![Shot { qpos, ..Shot::default() }];
-    Ok((RenderSubject { place, model, body, alone: false }, Storyboard { shots, shaded: false }))
+    Ok(Drawing { model, body, alone: false, shots, shaded: false })
 }
 
 /// The camera of --camera, or one that holds all that is shown.
-fn camera(
-    args: &RenderArguments,
-    subject: &RenderSubject,
-    plan: &Storyboard,
-    renderer: &Renderer,
-) -> Result<Camera, Failure> {
-    let mut direction = None;
-    let mut distance = None;
-    if let Some(text) = &args.camera {
-        let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-        match numbers.as_deref() {
-            Some(&[azimuth, elevation, ref rest @ ..])
-                if rest.len() <= 1
-                    && azimuth.is_finite()
-                    && (-90.0..=90.0).contains(&elevation)
-                    && rest.iter().all(|metres| *metres > 0.0 && metres.is_finite()) =>
-            {
-                let [azimuth, elevation] = [azimuth, elevation].map(f64::to_radians);
-                direction = Some(Direction { azimuth, elevation });
-                distance = rest.first().copied();
-            }
-            Some(_) => {
-                return Err(Failure(format!(
-                    "--camera {text}: give azimuth, elevation from -90 to 90 and, if wanted, a distance above 0, as in \
-                     205,-12,3"
-                )));
-            }
-            None => return named_camera(text, subject),
+fn camera(args: &RenderArguments, drawing: &Drawing, renderer: &Renderer) -> Result<Camera, Failure> {
+    let Some(text) = &args.camera else { return Ok(drawing.camera(renderer, None, None)?) };
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[azimuth, elevation, ref rest @ ..])
+            if rest.len() <= 1
+                && azimuth.is_finite()
+                && (-90.0..=90.0).contains(&elevation)
+                && rest.iter().all(|metres| *metres > 0.0 && metres.is_finite()) =>
+        {
+            let [azimuth, elevation] = [azimuth, elevation].map(f64::to_radians);
+            Ok(drawing.camera(renderer, Some(Direction { azimuth, elevation }), rest.first().copied())?)
+        }
+        Some(_) => Err(Failure(format!(
+            "--camera {text}: give azimuth, elevation from -90 to 90 and, if wanted, a distance above 0, as in 205,-12,3"
+        ))),
+        None => {
+            let cameras = drawing.model.cameras();
+            let number = cameras.iter().position(|camera| camera == text);
+            number.map(Camera::Fixed).ok_or_else(|| {
+                let named: Vec<&str> = cameras.into_iter().filter(|camera| !camera.is_empty()).collect();
+                let there = if named.is_empty() { "none with a name".into() } else { named.join(", ") };
+                Failure(format!(
+                    "{}: it has no camera named {text}, it has {there}: give one of these, or azimuth and elevation as in 205,-12",
+                    args.what.display()
+                ))
+            })
         }
     }
-    let shown = |geom: usize| renderer.shows(geom) && (!subject.alone || subject.is_own(geom));
-    let mut points: Vec<Point3<f64>> = Vec::new();
-    for shot in plan.held() {
-        points.extend(outline(&subject.data(&shot.qpos)?, &shown));
-        let copies = shot.copies.iter().filter(|copy| shown(copy.geom));
-        points.extend(copies.flat_map(|copy| outline_of(&subject.model, copy.geom, &copy.pose)));
-    }
-    let direction = direction.unwrap_or_else(|| Direction::suiting(&points));
-    Ok(frame(points, direction, renderer.lens(), distance))
-}
-
-fn named_camera(name: &str, subject: &RenderSubject) -> Result<Camera, Failure> {
-    let cameras = subject.model.cameras();
-    if let Some(number) = cameras.iter().position(|camera| *camera == name) {
-        return Ok(Camera::Fixed(number));
-    }
-    let named: Vec<&str> = cameras.into_iter().filter(|camera| !camera.is_empty()).collect();
-    let there = if named.is_empty() { "none with a name".into() } else { named.join(", ") };
-    Err(Failure(format!(
-        "{}: it has no camera named {name}, it has {there}: give one of these, or azimuth and elevation as in 205,-12",
-        subject.place
-    )))
 }
 
 /// How far a coordinate may be beyond its range, radians or metres: degrees are rounded.

@@ -1,15 +1,28 @@
 //! `bodyschema talk`: a conversation with a creature among things.
 
 use std::path::PathBuf;
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
 
-use super::happening::happens;
-use super::live::LiveOptions;
+use super::live::{LiveOptions, Place, serve};
 use super::typed::Typed;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::interaction::{Actor, Conversation};
 use crate::session::{model_hash, own_body};
 use crate::simulation::{Stage, StageOptions};
+use crate::view::live::{Asked, TableView};
+
+/// How often a page that shows a scene is told of it.
+const SHOWN_EVERY: Duration = Duration::from_millis(30);
+/// How long a touch is seen before anything is done about it.
+const SEEN: Duration = Duration::from_millis(300);
+/// How late simulated time may be to be caught up with: what is later has stood still to think.
+const LATE: Duration = Duration::from_millis(100);
+/// Most requests of pages that wait while he is at one.
+const MOST_ASKED: usize = 16;
+/// The most that a limb grows at once, millimetres.
+const LONGEST_GROWTH: f64 = 300.0;
 
 /// Talk to a creature among things: it answers what a partner asks of it, line by line
 ///
@@ -73,43 +86,161 @@ pub fn run(args: &TalkArguments) -> Outcome {
     let actor = Actor::new(own, stage.handle(), [first, second], args.seed);
     let mut actor = actor.map_err(|error| Failure(format!("{place}: {error}")))?;
     stage.place(&actor.ready())?;
-    let mut conversation = Conversation::new(actor)?;
+    let conversation = Conversation::new(actor)?;
     spinner.finish_and_clear();
-    if let Some(page) = page {
-        return super::live::talk(conversation, &stage, page, session.agent.creature().name(), args.json);
+    let name = session.agent.creature().name();
+    let mut talk = Talk { conversation, stage: &stage, name, json: args.json, view: None };
+    match page {
+        Some(page) => talk.on_page(page),
+        None => talk.typed(),
     }
-    let mut typed = Typed::new()?;
-    let terminal = typed.in_terminal();
-    if terminal {
-        tell!(
-            "{} listens. Say goodbye, or end it with Ctrl-D; \"help\" tells what can be said.",
-            session.agent.creature().name()
-        );
-    }
-    while let Some(request) = typed.line()? {
-        if request.is_empty() {
-            continue;
+}
+
+/// A conversation with a creature on a stage, and what is printed of it.
+struct Talk<'a> {
+    conversation: Conversation,
+    stage: &'a Stage,
+    name: &'a str,
+    json: bool,
+    /// What a page shows of it, where there is one.
+    view: Option<Arc<TableView>>,
+}
+
+impl Talk<'_> {
+    /// On standard input alone.
+    fn typed(&mut self) -> Outcome {
+        let mut typed = Typed::new()?;
+        let terminal = typed.in_terminal();
+        if terminal {
+            let name = self.name;
+            tell!("{name} listens. Say goodbye, or end it with Ctrl-D; \"help\" tells what can be said.");
         }
-        if let Some(direction) = request.strip_prefix('/') {
-            match happens(&stage, direction) {
-                Ok(told) => tell!("{told}"),
-                Err(Failure(why)) if terminal => tell!("{why}"),
-                Err(failure) => return Err(failure),
+        while !self.conversation.is_over()
+            && let Some(request) = typed.line()?
+        {
+            if !request.is_empty() {
+                self.hear(Asked::Say(request), terminal)?;
             }
-            continue;
         }
-        let reply = conversation.hear(&request)?;
-        if args.json {
-            output::line(format_args!("{}", reply.to_json(&request)));
-        } else {
-            if !terminal {
-                say!("> {request}");
-            }
-            say!("{}", reply.said);
-        }
-        if conversation.is_over() {
-            break;
-        }
+        Ok(())
     }
-    Ok(())
+
+    /// On a page and on standard input, with which it ends.
+    fn on_page(&mut self, place: Place) -> Outcome {
+        let (ask, asked) = mpsc::sync_channel(MOST_ASKED);
+        let view = Arc::new(TableView::new(self.stage, ask)?);
+        let _server = serve(place, view.clone())?;
+        self.view = Some(view.clone());
+        let (looked_on, mut shown) = (view.clone(), Instant::now());
+        let (mut clock, mut simulated) = (Instant::now(), self.stage.time());
+        self.stage.watched_by(Box::new(move |stage, felt| {
+            // No faster than it would really be.
+            let here = Duration::from_secs_f64((stage.time() - simulated).max(0.0));
+            let really = clock.elapsed();
+            if really > here + LATE {
+                (clock, simulated) = (Instant::now(), stage.time());
+            }
+            std::thread::sleep(here.saturating_sub(really));
+            if shown.elapsed() >= SHOWN_EVERY {
+                looked_on.shows(stage, felt);
+                shown = Instant::now();
+            }
+        }));
+        // None where standard input has ended.
+        let (hear, heard) = mpsc::sync_channel::<Option<Asked>>(0);
+        let typed = hear.clone();
+        std::thread::spawn(move || {
+            let Ok(mut lines) = Typed::new() else { return };
+            // Who never typed a line, as where standard input is /dev/null, is no partner to end it.
+            let mut partner = lines.in_terminal();
+            while let Ok(Some(line)) = lines.line() {
+                partner = true;
+                if !line.is_empty() && typed.send(Some(Asked::Say(line))).is_err() {
+                    return;
+                }
+            }
+            if partner {
+                let _ = typed.send(None);
+            }
+        });
+        std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Some(asked))));
+        tell!("{} listens, on the page and here", self.name);
+        while !self.conversation.is_over()
+            && let Ok(Some(asked)) = heard.recv()
+        {
+            self.hear(asked, true)?;
+        }
+        view.ends();
+        Ok(())
+    }
+
+    /// Does what is asked, and prints the answer. Who is `patient` is told what cannot happen, and goes on.
+    fn hear(&mut self, asked: Asked, patient: bool) -> Outcome {
+        let says = |who: &str, said: &str, busy: bool| {
+            self.view.iter().for_each(|view| view.says(who, said, busy));
+        };
+        let text = match &asked {
+            Asked::Say(text) => text.clone(),
+            Asked::Show(_) => return Ok(()),
+            Asked::Touch(receptor) => {
+                format!("(touches {})", self.conversation.actor.own.skin().receptors[*receptor].id)
+            }
+        };
+        if let Some(direction) = text.strip_prefix('/') {
+            let told = match happens(self.stage, direction) {
+                Err(Failure(why)) if patient => why,
+                told => told?,
+            };
+            says("the scene", &told, false);
+            self.view.iter().for_each(|view| view.shows(self.stage, &[]));
+            tell!("{told}");
+            return Ok(());
+        }
+        says("you", &text, true);
+        let reply = match asked {
+            Asked::Say(_) | Asked::Show(_) => self.conversation.hear(&text)?,
+            Asked::Touch(receptor) => {
+                self.view.iter().for_each(|view| view.feels(&[receptor]));
+                std::thread::sleep(SEEN);
+                self.conversation.touched(receptor)?
+            }
+        };
+        self.view.iter().for_each(|view| view.shows(self.stage, &[]));
+        self.view.iter().for_each(|view| view.says(self.name, &reply.said, false));
+        if self.json {
+            output::line(format_args!("{}", reply.to_json(&text)));
+            return Ok(());
+        }
+        // A partner at a terminal without a page sees what was typed.
+        if self.view.is_some() || !patient {
+            say!("> {text}");
+        }
+        say!("{}", reply.said);
+        Ok(())
+    }
+}
+
+/// What happens on the stage by a line that begins with a slash, without it; what did, in words.
+///
+/// # Errors
+/// Where nothing happens by it: how it is written.
+pub fn happens(stage: &Stage, direction: &str) -> Result<String, Failure> {
+    let words: Vec<&str> = direction.split_whitespace().collect();
+    let ["grow", name, length] = words.as_slice() else {
+        return Err(Failure(format!(
+            "/{direction}: nothing is known that happens by this: write /grow LIMB MILLIMETRES, as in /grow left_hand 30"
+        )));
+    };
+    let creature = &stage.body().creature;
+    let limb = creature.limb(name).filter(|limb| *limb > 0).ok_or_else(|| {
+        let limbs = creature.limbs()[1..].join(", ");
+        Failure(format!("/{direction}: there is no limb {name} that a joint moves: choose one of {limbs}"))
+    })?;
+    let millimetres = length.parse::<f64>().ok().filter(|x| x.abs() <= LONGEST_GROWTH).ok_or_else(|| {
+        Failure(format!(
+            "/{direction}: {length} is no number of millimetres from -{LONGEST_GROWTH} to {LONGEST_GROWTH}"
+        ))
+    })?;
+    stage.grow_limb(limb, 1e-3 * millimetres)?;
+    Ok(format!("the joint of {name} is now {millimetres} mm farther out"))
 }

@@ -87,6 +87,16 @@ impl Table {
         html + "</tbody>\n</table></div>\n"
     }
 
+    /// The table in Markdown.
+    pub fn markdown(&self) -> String {
+        let line = |row: &Vec<String>| {
+            let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "/")).collect();
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let rows: String = self.rows.iter().map(line).collect();
+        format!("{}|{}\n{rows}", line(&self.titles), "---|".repeat(self.titles.len()))
+    }
+
     /// The table as comma-separated values.
     pub fn csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::super::Failure;
 use super::super::learned::warn_truncated;
 use super::super::open::session_body;
-use super::{RenderArguments, RenderSubject, posture};
+use super::{RenderArguments, posture};
 use crate::creature::{Body, Creature, JointSelection};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
@@ -16,7 +16,7 @@ use crate::session::{
     Checkpoint, LearningRecord, ModelSource, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema,
     read_touches, same_tree,
 };
-use crate::view::picture::{SessionDrawing, Storyboard};
+use crate::view::picture::{Drawing, SessionDrawing};
 
 /// Touches of a film that says nothing of them.
 const TOUCHES: [usize; 2] = [1, 8];
@@ -28,24 +28,22 @@ pub fn touch_range(text: &str) -> Result<[usize; 2], String> {
 }
 
 /// What is drawn of a session.
-pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyboard), Failure> {
+pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     let _reading = ReadLock::take(&args.what)?;
     let session = Session::read(&args.what)?;
+    let place = args.what.display();
     if args.options.root.is_some() {
         return Err(Failure(format!(
-            "{}: a session knows which creature of its model it is of: leave out --root",
-            args.what.display()
+            "{place}: a session knows which creature of its model it is of: leave out --root"
         )));
     }
-    let agent = &session.agent;
-    let creature = agent.creature();
+    let (agent, creature) = (&session.agent, session.agent.creature());
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
     let body = if session.model.is_empty() && args.model.is_none() {
         // A recording has no true body: the learned one is all there is to see.
         if agent.skin().surfaces.is_empty() {
             return Err(Failure(format!(
-                "{}: nothing is known of how its limbs look: name a model with --model, or give surfaces in the creature's skin",
-                args.what.display()
+                "{place}: nothing is known of how its limbs look: name a model with --model, or give surfaces in the creature's skin"
             )));
         }
         learned(&session, &read_schema()?, &args.what)?
@@ -54,28 +52,23 @@ pub fn plan(args: &RenderArguments, film: bool) -> Result<(RenderSubject, Storyb
     };
     let schema = if args.schema { Some(read_schema()?) } else { None };
     let drawn = SessionDrawing::new(agent, &body, schema, args.frames_per_second)?;
-    let board = match (film, args.learning) {
-        (true, true) => drawn.learning(&checkpoints(args, creature)?),
-        (true, false) => {
+    let shots = match (film, args.learning, args.touch) {
+        (true, true, _) => drawn.learning(&checkpoints(args, creature)?),
+        (true, false, _) => {
             let touches = touches(args, &session)?;
             let [first, last] = args.touches.unwrap_or([TOUCHES[0], TOUCHES[1].min(touches.len().max(1))]);
             let chosen = touches.get(first - 1..last).ok_or_else(|| no_touch(args, last, touches.len()))?;
             drawn.touches(first, chosen)?
         }
-        (false, _) => still(args, &session, &drawn)?,
+        (false, _, Some(number)) => {
+            let touches = touches(args, &session)?;
+            let touch = number.checked_sub(1).and_then(|index| touches.get(index));
+            vec![drawn.touch(number, touch.ok_or_else(|| no_touch(args, number, touches.len()))?)?]
+        }
+        (false, _, None) => vec![drawn.posture(&posture(args, creature)?)],
     };
-    let (place, model) = (args.what.display().to_string(), body.declared.clone());
-    Ok((RenderSubject { place, model, body: Some(body), alone: true }, board))
-}
-
-/// One picture: of a touch, or in a posture.
-fn still(args: &RenderArguments, session: &Session, drawn: &SessionDrawing) -> Result<Storyboard, Failure> {
-    let Some(number) = args.touch else {
-        return Ok(drawn.posture(&posture(args, session.agent.creature())?));
-    };
-    let touches = touches(args, session)?;
-    let touch = number.checked_sub(1).and_then(|index| touches.get(index));
-    Ok(drawn.touch(number, touch.ok_or_else(|| no_touch(args, number, touches.len()))?)?)
+    let shaded = args.schema || film && args.learning;
+    Ok(Drawing { model: body.declared.clone(), body: Some(body), alone: true, shots, shaded })
 }
 
 fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {

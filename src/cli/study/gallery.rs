@@ -5,12 +5,13 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::cli::ends_with::ENDS_WITH;
 use crate::cli::folders::{Force, free_folder};
 use crate::cli::{Failure, Outcome, output, progress};
-use crate::view::text::plural;
+use crate::view::table::{NONE, Table};
+use crate::view::text::{error_number, plural};
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -22,9 +23,10 @@ const HEADING: &str = "# Gallery
 Touches and seconds are of the sessions by receptors: the median, and in parentheses the most. The worst is the greatest error of
 located skin, in another limb's frame, over random postures.
 
-| | body | joints, DOF | receptors | touches | seconds | by receptors | by contact points |
-|---|---|---|---|---|---|---|---|
 ";
+/// The columns of its table.
+const COLUMNS: [&str; 8] =
+    ["", "body", "joints, DOF", "receptors", "touches", "seconds", "by receptors", "by contact points"];
 /// Width and height of a picture, pixels.
 const PICTURE: &str = "320x240";
 /// A claim is not wrong by less than this, millimetres, …
@@ -33,19 +35,10 @@ const NEGLIGIBLE_MM: f64 = 1.0;
 const BY_NOISE: f64 = 2.0;
 /// What touches report, in the order of the table's columns.
 const INPUTS: [&str; 2] = ["receptor", "contact"];
-/// What is kept of what `inspect --json` prints, …
+/// What is kept of what `inspect --json` prints, and `babble --json`.
 const OF_LOOK: [&str; 4] = ["creature", "joints", "dof", "receptors"];
-/// … and `babble --json`.
-const OF_SESSION: [&str; 8] = [
-    "touches",
-    "converged",
-    "reason",
-    "undetermined",
-    "undetermined_limbs",
-    "changes",
-    "determined_mm",
-    "bound_mm",
-];
+const OF_SESSION: [&str; 7] =
+    ["touches", "converged", "reason", "undetermined_limbs", "changes", "determined_mm", "bound_mm"];
 
 /// Babble many bodies, one after the other, and put what came of each on a page with its picture.
 ///
@@ -105,17 +98,15 @@ pub fn run(args: &GalleryArguments) -> Outcome {
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
     let files = [PAGE_FILE, TABLE_FILE];
     let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
-    let out = lock.folder().to_path_buf();
-    let sessions = lock.scratch()?;
+    let (out, sessions) = (lock.folder(), lock.scratch()?);
     let bar = progress::steps(args.models.len() as u64);
     let mut bodies = Vec::new();
     let table = |bodies: &Vec<Body>| json!({ "seed": args.seed, "trials": args.trials, "bodies": bodies });
     for model in &args.models {
         bar.set_message(model.display().to_string());
-        bodies.push(Body::new(model, args.seed..=last, &out, &sessions)?);
+        bodies.push(Body::new(model, args.seed..=last, out, &sessions)?);
         // Written after every body: nothing is lost if it is interrupted.
-        let text = format!("{}\n", serde_json::to_string_pretty(&table(&bodies))?);
-        output::file(&out.join(TABLE_FILE), text)?;
+        output::file(&out.join(TABLE_FILE), format!("{:#}\n", table(&bodies)))?;
         output::file(&out.join(PAGE_FILE), page(&bodies))?;
         bar.inc(1);
     }
@@ -131,39 +122,36 @@ pub fn run(args: &GalleryArguments) -> Outcome {
 
 /// The page: a row per body, and the command that made it.
 fn page(bodies: &[Body]) -> String {
-    let rows: String = bodies.iter().map(Body::line).collect();
-    format!("{HEADING}{rows}\n```text\n{}\n```\n", output::command_line().join(" "))
+    let table = Table::new(COLUMNS, bodies.iter().map(Body::row)).markdown();
+    format!("{HEADING}{table}\n```text\n{}\n```\n", output::command_line().join(" "))
 }
 
-/// This program, to be run again.
-fn itself() -> Result<Command, Failure> {
+/// This program, to be run again with some words.
+fn itself(words: &[&str]) -> Result<Command, Failure> {
     let program = std::env::current_exe().map_err(|error| {
         Failure(format!("the program does not find itself ({error}): call it by its path"))
     })?;
     let mut command = Command::new(program);
-    command.stdin(Stdio::null()).env(ENDS_WITH, std::process::id().to_string());
+    command.args(words).stdin(Stdio::null()).env(ENDS_WITH, std::process::id().to_string());
     Ok(command)
 }
 
-/// What a command printed as JSON, or the sentence in which it refused.
-fn printed(command: &mut Command) -> Result<Result<Value, String>, Failure> {
-    let output = command.output().map_err(|error| {
+/// Some fields of what a command about a model printed as JSON with all of it, or the sentence in which it refused.
+fn printed(words: &[&str], model: &Path, fields: &[&str]) -> Result<Result<(Value, Value), String>, Failure> {
+    let output = itself(words)?.arg("--json").arg("--").arg(model).output().map_err(|error| {
         Failure(format!(
             "the program cannot be run again ({error}): see that there are processes and memory left"
         ))
     })?;
     if output.status.success() {
-        return Ok(Ok(serde_json::from_slice(&output.stdout)?));
+        let all: Value = serde_json::from_slice(&output.stdout)?;
+        let kept = fields.iter().map(|field| (field.to_string(), all[field].clone())).collect::<Map<_, _>>();
+        return Ok(Ok((kept.into(), all)));
     }
     let said = String::from_utf8_lossy(&output.stderr);
     let last = said.trim().lines().last().unwrap_or_default();
     let sentence = last.strip_prefix("bodyschema: ").unwrap_or(last).to_string();
     Ok(Err(if sentence.is_empty() { format!("it ended with {}", output.status) } else { sentence }))
-}
-
-/// Some fields of an object.
-fn fields(of: &Value, names: &[&str]) -> Value {
-    names.iter().map(|&name| (name.to_string(), of[name].clone())).collect::<serde_json::Map<_, _>>().into()
 }
 
 impl Body {
@@ -175,64 +163,57 @@ impl Body {
         sessions: &Path,
     ) -> Result<Body, Failure> {
         let name = model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let looked = printed(itself()?.arg("inspect").arg("--json").arg("--").arg(model))?;
-        let pairs = looked.as_ref().ok().and_then(|looked| looked["limb_pairs"].as_array());
+        let looked = printed(&["inspect"], model, &OF_LOOK)?;
+        let pairs = looked.as_ref().ok().and_then(|(_, all)| all["limb_pairs"].as_array());
         let touching = pairs.into_iter().flatten().filter(|pair| pair["relation"] == "touch");
         let touching = touching.flat_map(|pair| pair["limbs"].as_array()).flatten().cloned().collect();
-        let looked = looked.map(|looked| fields(&looked, &OF_LOOK));
+        let looked = looked.map(|(kept, _)| kept);
         let mut body =
             Body { name, model: model.into(), looked, touching, picture: None, trials: Vec::new() };
         if body.looked.is_err() {
             return Ok(body);
         }
         let picture = format!("{}.png", body.name);
-        let mut draw = itself()?;
-        draw.arg("render").arg(model).args(["--size", PICTURE, "--out"]).arg(out.join(&picture));
-        body.picture = draw.output().is_ok_and(|drawn| drawn.status.success()).then_some(picture);
+        let mut draw = itself(&["render", "--size", PICTURE, "--out"])?;
+        let drawn = draw.arg(out.join(&picture)).arg("--").arg(model).output();
+        body.picture = drawn.is_ok_and(|drawn| drawn.status.success()).then_some(picture);
         for (input, seed) in INPUTS.iter().flat_map(|input| seeds.clone().map(move |seed| (input, seed))) {
-            let session = sessions.join(format!("{}-{input}-{seed}", body.name));
+            let session = sessions.join(format!("{}-{input}-{seed}", body.name)).display().to_string();
             let began = Instant::now();
-            let mut babble = itself()?;
-            babble.args([
-                "babble",
-                "--quiet",
-                "--json",
-                "--input",
-                input,
-                "--seed",
-                &seed.to_string(),
-                "--out",
-            ]);
-            let came = printed(babble.arg(&session).arg("--").arg(model))?;
+            let seed_word = seed.to_string();
+            let words = ["babble", "--quiet", "--input", input, "--seed", &seed_word, "--out", &session];
+            let came = printed(&words, model, &OF_SESSION)?.map(|(kept, _)| kept);
             let _ = std::fs::remove_dir_all(&session);
-            let came = came.map(|came| fields(&came, &OF_SESSION));
             body.trials.push(Trial { input, seed, seconds: began.elapsed().as_secs_f64(), came });
         }
         Ok(body)
     }
 
     /// Its row of the page.
-    fn line(&self) -> String {
-        let name = &self.name;
+    fn row(&self) -> [String; 8] {
+        let name = self.name.clone();
         let looked = match &self.looked {
             Ok(looked) => looked,
-            Err(sentence) => return format!("| | {name} | | | | | {sentence} | |\n"),
+            Err(sentence) => {
+                let mut row = [const { String::new() }; 8];
+                (row[1], row[6]) = (name, sentence.clone());
+                return row;
+            }
         };
         let picture = self.picture.as_ref().map_or(String::new(), |file| format!("![{name}]({file})"));
-        let by = |input: &str| self.trials.iter().filter(|trial| trial.input == input).collect::<Vec<_>>();
-        let [receptors, points] = INPUTS.map(by);
+        let [receptors, points] =
+            INPUTS.map(|input| self.trials.iter().filter(|trial| trial.input == input).collect::<Vec<_>>());
         let touches = receptors.iter().filter_map(|trial| trial.came.as_ref().ok()?["touches"].as_f64());
-        let seconds = receptors.iter().map(|trial| trial.seconds);
-        format!(
-            "| {picture} | {name} | {}, {} | {} | {} | {} | {} | {} |\n",
-            looked["joints"],
-            looked["dof"],
-            looked["receptors"],
+        [
+            picture,
+            name,
+            format!("{}, {}", looked["joints"], looked["dof"]),
+            looked["receptors"].to_string(),
             spread(touches),
-            spread(seconds),
+            spread(receptors.iter().map(|trial| trial.seconds)),
             self.verdict(&receptors),
-            self.verdict(&points)
-        )
+            self.verdict(&points),
+        ]
     }
 
     /// What came of some sessions, in words.
@@ -258,7 +239,7 @@ impl Body {
             let changed = |came: &&Value| came["changes"].as_array().is_some_and(|all| !all.is_empty());
             let changes = if learned.iter().any(changed) { ", CHANGED" } else { "" };
             let wrong = if learned.iter().any(|came| is_wrong(came)) { " WRONG" } else { "" };
-            words.push(format!("learned{of}{except}; worst {} mm{wrong}{changes}", short(worst)));
+            words.push(format!("learned{of}{except}; worst {} mm{wrong}{changes}", error_number(worst)));
         }
         if let Some(why) = not.first().and_then(|came| came["reason"].as_str()) {
             words.push(format!("not learned: {}", reason(why)));
@@ -270,8 +251,7 @@ impl Body {
 /// A sentence without the file that it begins with.
 fn reason(sentence: &str) -> String {
     let (file, rest) = sentence.split_once(": ").unwrap_or(("", sentence));
-    let reason = if Path::new(file).extension().is_some() { rest } else { sentence };
-    reason.replace('|', "/")
+    if Path::new(file).extension().is_some() { rest.to_string() } else { sentence.to_string() }
 }
 
 /// Whether any claim of a session is off by more than matters, and by more than noisy senses make up for.
@@ -285,19 +265,9 @@ fn is_wrong(came: &Value) -> bool {
 fn spread(numbers: impl Iterator<Item = f64>) -> String {
     let mut numbers: Vec<f64> = numbers.collect();
     numbers.sort_by(f64::total_cmp);
-    let Some(greatest) = numbers.last() else { return "–".to_string() };
+    let Some(greatest) = numbers.last() else { return NONE.to_string() };
     let [middle, greatest] = [numbers[numbers.len() / 2], *greatest].map(|number| format!("{number:.0}"));
     if middle == greatest { middle } else { format!("{middle} ({greatest})") }
-}
-
-/// A number of millimetres to two digits.
-fn short(millimetres: f64) -> String {
-    match millimetres {
-        none if none.is_nan() => "–".to_string(),
-        tiny if tiny < 1e-3 => "< 0.001".to_string(),
-        small if small < 0.1 => format!("{small:.3}"),
-        other => format!("{other:.2}"),
-    }
 }
 
 #[cfg(test)]
@@ -309,7 +279,6 @@ mod tests {
         assert_eq!(spread([3.0, 1.0, 2.0].into_iter()), "2 (3)");
         assert_eq!(spread([2.0].into_iter()), "2");
         assert_eq!(spread([].into_iter()), "–");
-        assert_eq!([f64::NAN, 1e-9, 0.0123, 4.567].map(short), ["–", "< 0.001", "0.012", "4.57"]);
     }
 
     #[test]
@@ -330,6 +299,6 @@ mod tests {
         assert_eq!(body.verdict(&[&right]), "learned, but for 1 limb; worst 0.020 mm");
         assert!(body.verdict(&[&right, &wrong]).ends_with("worst 12.50 mm WRONG"));
         let refused = trial(Err("a.xml: no touch | at all".into()));
-        assert_eq!(body.verdict(&[&refused]), "no touch / at all");
+        assert_eq!(body.verdict(&[&refused]), "no touch | at all");
     }
 }

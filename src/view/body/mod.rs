@@ -21,7 +21,7 @@ pub(super) use senses::{AURAS, AuraOverlay, MAP, MapOverlay};
 
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
-use crate::creature::{Appearance, VisiblePart};
+use crate::creature::Appearance;
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -29,8 +29,11 @@ use crate::skin::Skin;
 pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("body.js"));
 
 /// The colours of limbs that have none of their own, and of a shade.
-pub(super) const LIMB: &str = "#b9c7d3";
-pub(super) const SHADE: &str = "#8a939c";
+const LIMB: &str = "#b9c7d3";
+const SHADE: &str = "#8a939c";
+/// What joints are called where they are switched on.
+const JOINTS: &str = "joints";
+const TRUE_JOINTS: &str = "true joints";
 /// Most receptors whose neighbours are drawn.
 const MOST_NEIGHBOURS: usize = 3000;
 /// Numbers are told in so many parts of a metre, and of one.
@@ -42,10 +45,11 @@ pub(super) fn whole(x: f64) -> i64 {
 }
 
 /// How a layer looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Look {
-    /// In one colour.
+    /// In one colour, or each piece in its own.
+    #[default]
     Solid,
     /// Receptors, by how much each is touched.
     Receptors,
@@ -54,7 +58,7 @@ pub(super) enum Look {
 }
 
 /// A mesh at some poses.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Layer {
     /// What it is called where it is switched on and off.
     pub name: String,
@@ -80,75 +84,10 @@ pub(super) struct Layer {
     pub labels: Vec<String>,
 }
 
-impl Layer {
-    /// A mesh of one colour.
-    pub fn solid(name: &str, mesh: usize, poses: &'static str, colour: &'static str) -> Layer {
-        let (name, colour) = (name.into(), Some(colour));
-        Layer {
-            name,
-            mesh,
-            poses,
-            look: Look::Solid,
-            colour,
-            palette: Vec::new(),
-            painted: Vec::new(),
-            lit_alone: false,
-            labels: Vec::new(),
-        }
-    }
-
-    /// A body as it looks: of its own colours where it has such, else of one.
-    pub fn clothed(name: &str, mesh: usize, poses: &'static str, clothes: &Clothes) -> Layer {
-        let (palette, painted) = (clothes.palette.clone(), clothes.painted.clone());
-        Layer { palette, painted, ..Layer::solid(name, mesh, poses, LIMB) }
-    }
-
-    /// The receptors, each with what it is called; their mesh is the one after the limbs'.
-    pub fn receptors(poses: &'static str, labels: Vec<String>) -> Layer {
-        let receptors =
-            Layer { look: Look::Receptors, colour: None, ..Layer::solid("receptors", 1, poses, LIMB) };
-        Layer { labels, ..receptors }
-    }
-}
-
-/// What is drawn of a body's limbs: as it looks where that is known, else the surfaces of its skin.
-#[derive(Clone, Debug)]
-pub(super) struct Clothes {
-    /// The triangles.
-    pub mesh: BodyMesh,
-    palette: Vec<String>,
-    painted: Vec<usize>,
-}
-
-impl Clothes {
-    /// Of a body.
-    pub fn new(skin: &Skin, appearance: Option<&Appearance>) -> Clothes {
-        let looks = appearance.filter(|appearance| !appearance.parts.is_empty());
-        let Some(appearance) = looks else {
-            return Clothes { mesh: BodyMesh::of_surfaces(skin), palette: Vec::new(), painted: Vec::new() };
-        };
-        let mut palette: Vec<String> = Vec::new();
-        let colour = |part: &VisiblePart| {
-            part.rgb.map_or(LIMB.to_string(), |rgb| {
-                let [red, green, blue] = rgb.map(|share| (255.0 * share.clamp(0.0, 1.0)).round() as u8);
-                format!("#{red:02x}{green:02x}{blue:02x}")
-            })
-        };
-        let mut number = |colour: String| {
-            palette.iter().position(|known| *known == colour).unwrap_or_else(|| {
-                palette.push(colour);
-                palette.len() - 1
-            })
-        };
-        let painted = appearance.parts.iter().map(|part| number(colour(part))).collect();
-        Clothes { mesh: BodyMesh::of_appearance(appearance), palette, painted }
-    }
-}
-
 /// The joints of a body and what lies between them.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Skeleton {
-    name: String,
+    name: &'static str,
     poses: &'static str,
     look: Look,
     colour: &'static str,
@@ -164,27 +103,16 @@ pub(super) struct Skeleton {
 }
 
 impl Skeleton {
-    /// The learned one; `open` are the joints that are not determined.
-    pub fn learned(agent: &Agent, open: &[usize]) -> Skeleton {
-        let own = Skeleton::of(agent, "joints", "learned", Look::Solid);
-        Skeleton { open: open.to_vec(), ..own }
-    }
-
-    /// That of another body, thin and grey.
-    pub fn shade(agent: &Agent, name: &str, poses: &'static str) -> Skeleton {
-        Skeleton { says: " in truth", ..Skeleton::of(agent, name, poses, Look::Ghost) }
-    }
-
-    fn of(agent: &Agent, name: &str, poses: &'static str, look: Look) -> Skeleton {
-        let creature = agent.creature();
+    fn of(agent: &Agent, name: &'static str, poses: &'static str, look: Look) -> Skeleton {
+        let joints = agent.creature().joints();
         let tip = |(limb, p): (usize, Vector3<f64>)| [limb as i64, whole(p.x), whole(p.y), whole(p.z)];
         Skeleton {
-            name: name.into(),
+            name,
             poses,
             look,
             colour: SHADE,
-            names: creature.joints().iter().map(|joint| joint.name.clone()).collect(),
-            parents: creature.joints().iter().map(|joint| joint.parent).collect(),
+            names: joints.iter().map(|joint| joint.name.clone()).collect(),
+            parents: joints.iter().map(|joint| joint.parent).collect(),
             tips: pose::tips(agent).into_iter().map(tip).collect(),
             open: Vec::new(),
             says: "",
@@ -244,8 +172,8 @@ pub(super) struct BodyScene {
 }
 
 impl BodyScene {
-    /// A body by a schema, at some poses, as it looks, with receptors that are seen once they feel something. Its joints, of
-    /// which some are `open`, its aura and its map are hidden at first.
+    /// A body by a schema, at some poses, as it looks, with receptors that are seen once they feel something. Its aura, but about
+    /// limbs beyond joints that are not determined, the `open` ones, and its map are hidden at first, as joints are.
     pub fn of_body(
         agent: &Agent,
         schema: &BodySchema,
@@ -257,22 +185,77 @@ impl BodyScene {
         let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
         let mut scene = BodyScene {
             auras: vec![AuraOverlay::by_schema(agent, schema, open, poses)],
-            hidden: vec!["joints", "true joints", AURAS, MAP],
+            hidden: vec![JOINTS, TRUE_JOINTS, AURAS, MAP],
             ..BodyScene::default()
         };
-        scene.add("limbs", poses, Clothes::new(skin, appearance));
-        scene.meshes.push(BodyMesh::of_receptors(skin));
-        scene.layers.push(Layer { lit_alone: true, ..Layer::receptors(poses, ids) });
+        scene.add("limbs", poses, skin, appearance);
+        scene.add_receptors(skin, poses, ids);
+        scene.layers[1].lit_alone = true;
         if skin.receptors.len() <= MOST_NEIGHBOURS {
             scene.maps.push(MapOverlay::by_schema(agent, schema, poses));
         }
         scene
     }
 
-    /// Adds a body as it looks, at some poses.
-    pub fn add(&mut self, name: &str, poses: &'static str, clothes: Clothes) {
-        self.layers.push(Layer::clothed(name, self.meshes.len(), poses, &clothes));
-        self.meshes.push(clothes.mesh);
+    /// Adds a mesh in one colour.
+    pub fn add_mesh(
+        &mut self,
+        name: &str,
+        poses: &'static str,
+        mesh: BodyMesh,
+        colour: &'static str,
+    ) -> &mut Layer {
+        let (name, colour, last) = (name.to_string(), Some(colour), self.layers.len());
+        self.layers.push(Layer { name, mesh: self.meshes.len(), poses, colour, ..Layer::default() });
+        self.meshes.push(mesh);
+        &mut self.layers[last]
+    }
+
+    /// Adds a body at some poses: as it looks where that is known, else the surfaces of its skin.
+    pub fn add(&mut self, name: &str, poses: &'static str, skin: &Skin, appearance: Option<&Appearance>) {
+        let Some(looks) = appearance.filter(|appearance| !appearance.parts.is_empty()) else {
+            self.add_mesh(name, poses, BodyMesh::of_surfaces(skin), LIMB);
+            return;
+        };
+        let layer = self.add_mesh(name, poses, BodyMesh::of_appearance(looks), LIMB);
+        for part in &looks.parts {
+            let colour = part.rgb.map_or(LIMB.to_string(), |rgb| {
+                let [red, green, blue] = rgb.map(|share| (255.0 * share.clamp(0.0, 1.0)).round() as u8);
+                format!("#{red:02x}{green:02x}{blue:02x}")
+            });
+            let known = layer.palette.iter().position(|known| *known == colour);
+            layer.painted.push(known.unwrap_or(layer.palette.len()));
+            layer.palette.extend(known.is_none().then_some(colour));
+        }
+    }
+
+    /// Adds the receptors of a skin, each with what it is called.
+    fn add_receptors(&mut self, skin: &Skin, poses: &'static str, labels: Vec<String>) {
+        let layer = self.add_mesh("receptors", poses, BodyMesh::of_receptors(skin), LIMB);
+        (layer.look, layer.colour, layer.labels) = (Look::Receptors, None, labels);
+    }
+
+    /// Draws other receptors than those of the body: each with what it is called, and how much it is touched, 0 to 1.
+    pub fn only_receptors(&mut self, skin: &Skin, labels: Vec<String>, values: Vec<f64>) {
+        let poses = self.layers[1].poses;
+        (self.meshes, self.layers) = (self.meshes[..1].to_vec(), self.layers[..1].to_vec());
+        self.add_receptors(skin, poses, labels);
+        self.values = values;
+    }
+
+    /// Draws the learned joints, of which the `open` ones are not determined.
+    pub fn add_joints(&mut self, agent: &Agent, open: &[usize]) {
+        let own = Skeleton { open: open.to_vec(), ..Skeleton::of(agent, JOINTS, "learned", Look::Solid) };
+        self.skeletons.push(own);
+    }
+
+    /// Draws the true body behind the learned one, thin and grey.
+    pub fn add_truth(&mut self, agent: &Agent) {
+        let name = "true body".to_string();
+        let (poses, colour, look) = ("true", Some(SHADE), Look::Ghost);
+        self.layers.push(Layer { name, poses, colour, look, ..Layer::default() });
+        self.skeletons
+            .push(Skeleton { says: " in truth", ..Skeleton::of(agent, TRUE_JOINTS, "true", Look::Ghost) });
     }
 
     /// The box about the corners of meshes at poses, and about joints; none where there is nothing.
@@ -338,7 +321,7 @@ impl BodyScene {
         let layers = self.layers.iter().map(|layer| layer.name.as_str());
         let senses = [(AURAS, !self.auras.is_empty()), (MAP, !self.maps.is_empty())];
         let senses = senses.into_iter().filter_map(|(name, there)| there.then_some(name));
-        for name in layers.chain(self.skeletons.iter().map(|skeleton| skeleton.name.as_str())).chain(senses) {
+        for name in layers.chain(self.skeletons.iter().map(|skeleton| skeleton.name)).chain(senses) {
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -11,7 +11,7 @@ use crate::kinematics::limb_frames;
 use crate::schema::BodySchema;
 
 /// One schema laid out in the root limb's frame, metres.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::view) struct Pose {
     /// `X_RL` of every limb.
     pub frames: Vec<Frame>,

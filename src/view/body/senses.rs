@@ -22,15 +22,6 @@ pub(in crate::view) struct AuraOverlay {
 }
 
 impl AuraOverlay {
-    fn new(geometries: &[ProximityGeometry], poses: &'static str) -> AuraOverlay {
-        let told = |geometry: &ProximityGeometry| {
-            let [a, b] = geometry.capsule.ends.map(|end| [end.x, end.y, end.z].map(whole));
-            let radius = whole(geometry.capsule.radius);
-            [geometry.limb as i64, a[0], a[1], a[2], b[0], b[1], b[2], radius]
-        };
-        AuraOverlay { name: AURAS, poses, capsules: geometries.iter().map(told).collect() }
-    }
-
     /// Those that a schema gives, but about limbs beyond joints that are not determined, the `open` ones.
     pub fn by_schema(agent: &Agent, schema: &BodySchema, open: &[usize], poses: &'static str) -> AuraOverlay {
         let creature = agent.creature();
@@ -39,10 +30,15 @@ impl AuraOverlay {
             unknown[j + 1] = unknown[joint.parent] || open.contains(&j);
         }
         let frames = limb_frames(creature, schema, &creature.reference_posture());
-        let grown = grow_aura(creature, agent.skin(), &frames);
-        let limbs = |geometry: &ProximityGeometry| &creature.aura_limbs()[geometry.aura_limb].limbs;
-        let known = |geometry: &ProximityGeometry| limbs(geometry).iter().all(|&limb| !unknown[limb]);
-        AuraOverlay::new(&grown.into_iter().filter(known).collect::<Vec<_>>(), poses)
+        let capsule = |aura: ProximityGeometry| {
+            let limbs = &creature.aura_limbs()[aura.aura_limb].limbs;
+            let [a, b] = aura.capsule.ends.map(|end| [end.x, end.y, end.z].map(whole));
+            let radius = whole(aura.capsule.radius);
+            let told = [aura.limb as i64, a[0], a[1], a[2], b[0], b[1], b[2], radius];
+            limbs.iter().all(|&limb| !unknown[limb]).then_some(told)
+        };
+        let capsules = grow_aura(creature, agent.skin(), &frames).into_iter().filter_map(capsule).collect();
+        AuraOverlay { name: AURAS, poses, capsules }
     }
 }
 

@@ -19,7 +19,7 @@ use crate::learning::growth::Growth;
 use crate::schema::BodySchema;
 use crate::senses::{RecordedTouch, Touch};
 use crate::session::{LearningStep, Observer, Phase};
-use crate::view::body::{BodyScene, Layer, Pose, Skeleton};
+use crate::view::body::{BodyScene, Layer, Pose};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::short_number as number;
@@ -235,7 +235,7 @@ impl LivePage for BabblingView {
         let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
         let learned = Layer { name: "learned body".into(), poses: "learned", ..scene.layers[0].clone() };
         scene.layers.push(learned);
-        scene.skeletons.push(Skeleton::learned(&self.agent, &[]));
+        scene.add_joints(&self.agent, &[]);
         scene.room = room(self.extent, self.aside());
         let caption = "Left the body as it touches itself, right the body learned so far, in the same posture. \
                        Receptors light up where they are touched. Turn it with the mouse.";

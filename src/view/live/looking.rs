@@ -4,18 +4,18 @@
 use std::fmt::Write;
 
 use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::server::{LivePage, ShowRequest};
+use super::server::{Asked, LivePage, Reception, ShowRequest};
 use super::{HEIGHT, extent, page, room};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature, Posture};
-use crate::learning::{Account, Certainty};
+use crate::learning::Certainty;
 use crate::named::in_words;
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
 use crate::session::same_tree;
-use crate::view::body::{BodyScene, Clothes, Layer, Look, Pose, SHADE, Skeleton};
+use crate::view::body::{BodyScene, Pose};
 use crate::view::text::{error_number, escape};
 use crate::view::tone::Tone;
 
@@ -44,15 +44,6 @@ pub struct LookedAt {
     pub verdict: String,
     /// How far that can be relied on, where it is of something learned.
     pub tone: Option<Tone>,
-}
-
-impl LookedAt {
-    fn account(&self) -> Option<&Account> {
-        match &self.certainty {
-            Certainty::Estimated(account) => Some(account),
-            Certainty::Exact | Certainty::Unknown => None,
-        }
-    }
 }
 
 /// What is shown of some sessions and models. It keeps nothing of what a browser looks at: each has its own.
@@ -140,21 +131,23 @@ impl LookingView {
     fn certainty(looked: &LookedAt, limb: usize) -> String {
         let creature = looked.agent.creature();
         let name = in_words(&creature.limbs()[limb]);
-        let Some(account) = looked.account() else {
-            return match looked.certainty {
-                Certainty::Exact => name,
-                _ => format!("{name}: not located, no held-out touches confirm the schema"),
-            };
+        let account = match &looked.certainty {
+            Certainty::Exact => return name,
+            Certainty::Unknown => {
+                return format!("{name}: not located, no held-out touches confirm the schema");
+            }
+            Certainty::Estimated(account) => account,
         };
-        let millimetres = |metres: f64| error_number(1e3 * metres);
-        match (account.openness(creature, limb), account.distance_to_most(limb)) {
+        let bounds = account.distance_to_most(limb).filter(|[_, worst]| worst.is_finite());
+        match (account.openness(creature, limb), bounds) {
             (Some(why), _) => format!("{name}: not located, {}", why.words(creature)),
-            (None, Some([best, worst])) if worst.is_finite() => format!(
-                "{name}: located to within {} to {} mm (95 %), depending on the reference limb",
-                millimetres(best),
-                millimetres(worst)
-            ),
-            _ => format!("{name}: has no skin to locate"),
+            (None, Some(bounds)) => {
+                let [best, worst] = bounds.map(|metres| error_number(1e3 * metres));
+                format!(
+                    "{name}: located to within {best} to {worst} mm (95 %), depending on the reference limb"
+                )
+            }
+            (None, None) => format!("{name}: has no skin to locate"),
         }
     }
 
@@ -244,17 +237,19 @@ impl LivePage for LookingView {
         let state = self.chosen(query)?;
         let shown = &self.all[state.shown];
         let agent = &shown.agent;
-        let open = shown.account().map_or(&[][..], Account::undetermined);
+        let open = match &shown.certainty {
+            Certainty::Estimated(account) => account.undetermined(),
+            Certainty::Exact | Certainty::Unknown => &[],
+        };
         let mut scene = BodyScene::of_body(agent, &shown.schema, open, shown.appearance.as_ref(), "learned");
         // Without touches the skin itself is what there is to see.
         scene.layers[1].lit_alone = !shown.touches.is_empty();
-        scene.skeletons.push(Skeleton::learned(agent, open));
+        scene.add_joints(agent, open);
         if shown.truth.is_some() {
-            scene.layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
-            scene.skeletons.push(Skeleton::shade(agent, "true joints", "true"));
+            scene.add_truth(agent);
         }
         if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
-            scene.add(BESIDE, "other", Clothes::new(other.agent.skin(), other.appearance.as_ref()));
+            scene.add(BESIDE, "other", other.agent.skin(), other.appearance.as_ref());
         }
         scene.poses = self.poses(&state);
         scene.room = room(self.extents[state.shown], self.aside(&state));
@@ -272,12 +267,12 @@ impl LivePage for LookingView {
         Some(page(agent.creature().name(), &shown.name, &content))
     }
 
-    fn show(&self, asked: &ShowRequest) -> Option<String> {
-        let state = self.looking(asked)?;
+    fn ask(&self, asked: Asked) -> Reception {
+        let Asked::Show(asked) = asked else { return Reception::Nobody };
+        let Some(state) = self.looking(&asked) else { return Reception::Nobody };
         let shown = &self.all[state.shown];
         let touch = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number));
-        let poses: serde_json::Map<String, Value> =
-            self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
+        let poses = self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told()));
         let told = json!({
             "doing": self.doing(&state),
             "tone": shown.tone.filter(|_| state.touch == 0).map_or("", Tone::class),
@@ -285,8 +280,8 @@ impl LivePage for LookingView {
             "touch": state.touch,
             "posture": &state.posture[..],
             "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
-            "poses": poses,
+            "poses": poses.collect::<serde_json::Map<_, _>>(),
         });
-        Some(told.to_string())
+        Reception::Shown(told.to_string())
     }
 }

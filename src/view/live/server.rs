@@ -48,10 +48,6 @@ pub trait LivePage: Send + Sync + 'static {
     fn charts(&self) -> String {
         "{}".into()
     }
-    /// What one browser wants to be shown, as JSON; none where there is no such thing.
-    fn show(&self, _asked: &ShowRequest) -> Option<String> {
-        None
-    }
     /// The report to read, once there is one.
     fn report(&self) -> Option<PathBuf> {
         None
@@ -63,23 +59,27 @@ pub trait LivePage: Send + Sync + 'static {
 }
 
 /// What becomes of what a page asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reception {
     /// It will be heard.
     Taken,
-    /// Nobody listens to such a thing.
+    /// It is shown: JSON for the browser that asked.
+    Shown(String),
+    /// There is no such thing, or nobody to hear it.
     Nobody,
     /// Too much waits to be heard already.
     Full,
 }
 
 /// What a page asks for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
     /// A line that was typed.
     Say(String),
     /// A touch of a receptor, by its index.
     Touch(usize),
+    /// To be shown something.
+    Show(ShowRequest),
 }
 
 /// What a browser looks at. It says all of it each time.
@@ -197,13 +197,7 @@ async fn page(State(shared): State<Shared>, RawQuery(query): RawQuery) -> Respon
             _ => shared.view.page(&query).map(|page| kept.insert((query, page.into())).1.clone()),
         }
     };
-    match page {
-        Some(page) => {
-            ([(header::CONTENT_SECURITY_POLICY, policy(&script(super::SCRIPT)))], Html(page)).into_response()
-        }
-        None => (StatusCode::NOT_FOUND, "there is no such page: leave out what follows the question mark")
-            .into_response(),
-    }
+    answer(page, super::SCRIPT, "there is no such page: leave out what follows the question mark")
 }
 
 async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
@@ -238,14 +232,8 @@ async fn events(
 }
 
 async fn finished_report(State(shared): State<Shared>) -> Response {
-    let page = shared.view.report().and_then(|path| std::fs::read_to_string(path).ok());
-    match page {
-        Some(page) => {
-            ([(header::CONTENT_SECURITY_POLICY, policy(&script(report::SCRIPT)))], Html(page)).into_response()
-        }
-        None => (StatusCode::NOT_FOUND, "there is no report yet: it is written once all is learned")
-            .into_response(),
-    }
+    let page = shared.view.report().and_then(|path| std::fs::read(path).ok());
+    answer(page, report::SCRIPT, "there is no report yet: it is written once all is learned")
 }
 
 #[derive(Deserialize)]
@@ -258,28 +246,39 @@ struct TouchRequest {
     receptor: usize,
 }
 
-async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> StatusCode {
-    status(shared.view.ask(Asked::Say(text.trim().chars().take(LONGEST_LINE).collect())))
+async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> Response {
+    shared.ask(Asked::Say(text.trim().chars().take(LONGEST_LINE).collect()))
 }
 
 async fn touch(
     State(shared): State<Shared>,
     Json(TouchRequest { receptor }): Json<TouchRequest>,
-) -> StatusCode {
-    status(shared.view.ask(Asked::Touch(receptor)))
+) -> Response {
+    shared.ask(Asked::Touch(receptor))
 }
 
 async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
-    match shared.view.show(&asked) {
-        Some(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
-        None => StatusCode::NOT_FOUND.into_response(),
+    shared.ask(Asked::Show(asked))
+}
+
+impl Shared {
+    fn ask(&self, asked: Asked) -> Response {
+        match self.view.ask(asked) {
+            Reception::Taken => StatusCode::NO_CONTENT.into_response(),
+            Reception::Shown(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
+            Reception::Nobody => StatusCode::NOT_FOUND.into_response(),
+            Reception::Full => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+        }
     }
 }
 
-fn status(reception: Reception) -> StatusCode {
-    match reception {
-        Reception::Taken => StatusCode::NO_CONTENT,
-        Reception::Nobody => StatusCode::NOT_FOUND,
-        Reception::Full => StatusCode::SERVICE_UNAVAILABLE,
+/// A page in which one script runs; what is missing is said where there is no such page.
+fn answer(page: Option<impl Into<Bytes>>, own_script: &str, missing: &'static str) -> Response {
+    match page {
+        Some(page) => {
+            let policy = [(header::CONTENT_SECURITY_POLICY, policy(&script(own_script)))];
+            (policy, Html(page.into())).into_response()
+        }
+        None => (StatusCode::NOT_FOUND, missing).into_response(),
     }
 }

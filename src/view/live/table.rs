@@ -15,7 +15,7 @@ use crate::ground_truth::GroundTruth;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
 use crate::skin::{Skin, surface_of_body};
-use crate::view::body::{BodyMesh, BodyScene, Layer, Pose};
+use crate::view::body::{BodyMesh, BodyScene, Pose};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -24,28 +24,23 @@ const COLOURS: [&str; 6] = ["#b8875a", "#bf4a3a", "#3a8f5a", "#3f5fb0", "#8a5190
 /// Room about what is there, metres.
 const ROOM: f64 = 0.1;
 
-/// A line of the conversation.
-struct Utterance {
-    who: String,
-    said: String,
-}
-
 /// What is shown of a conversation.
 pub struct TableView {
     agent: Agent,
     truth: GroundTruth,
-    /// Per body of the scene that is not the creature's, its name and its mesh.
-    things: Vec<(String, BodyMesh)>,
-    bodies: Vec<usize>,
+    /// The bodies of the scene that are not the creature's, each with its name and its mesh.
+    things: Vec<(usize, String, BodyMesh)>,
     state: Mutex<TableState>,
     asked: SyncSender<Asked>,
 }
 
+#[derive(Default)]
 struct TableState {
-    own: Vec<Frame>,
-    things: Vec<Frame>,
+    own: Pose,
+    things: Pose,
     felt: Vec<usize>,
-    lines: Vec<Utterance>,
+    /// Who said what.
+    lines: Vec<[String; 2]>,
     /// Whether it is at something and hears later.
     busy: bool,
     over: bool,
@@ -59,38 +54,20 @@ impl TableView {
     pub fn new(stage: &Stage, asked: SyncSender<Asked>) -> Result<TableView> {
         let body = stage.body();
         let model = &body.model;
-        let mut things = Vec::new();
-        let mut bodies = Vec::new();
+        let mut things: Vec<(usize, String, BodyMesh)> = Vec::new();
         for thing in (0..model.nbody()).filter(|&b| body.limb_of_body[b].is_none()) {
-            let mesh = BodyMesh::of_surfaces(&Skin {
-                receptors: Vec::new(),
-                surfaces: surface_of_body(model, thing)
-                    .into_iter()
-                    .map(|mut surface| {
-                        surface.limb = things.len();
-                        surface
-                    })
-                    .collect(),
-            });
+            let mut skin = Skin { receptors: Vec::new(), surfaces: surface_of_body(model, thing) };
+            skin.surfaces.iter_mut().for_each(|surface| surface.limb = things.len());
+            let mesh = BodyMesh::of_surfaces(&skin);
             if !mesh.pieces.is_empty() {
-                things.push((stage.thing_name(thing), mesh));
-                bodies.push(thing);
+                things.push((thing, stage.thing_name(thing), mesh));
             }
         }
-        let state = TableState {
-            own: Vec::new(),
-            things: Vec::new(),
-            felt: Vec::new(),
-            lines: Vec::new(),
-            busy: false,
-            over: false,
-        };
         let view = TableView {
             agent: stage.agent().clone(),
             truth: GroundTruth::new(body)?,
             things,
-            bodies,
-            state: Mutex::new(state),
+            state: Mutex::default(),
             asked,
         };
         view.shows(stage, &[]);
@@ -103,8 +80,9 @@ impl TableView {
 
     /// Shows where all is now, and which receptors feel something.
     pub fn shows(&self, stage: &Stage, felt: &[SkinContact]) {
-        let own = stage.limb_frames();
-        let things = self.bodies.iter().map(|&body| Frame::from(stage.thing_pose(body))).collect();
+        let own = Pose::of_parts(stage.limb_frames());
+        let things = self.things.iter().map(|(body, ..)| Frame::from(stage.thing_pose(*body)));
+        let things = Pose::of_parts(things.collect());
         let mut state = self.state();
         (state.own, state.things) = (own, things);
         state.felt = felt.iter().flat_map(SkinContact::spots).map(|spot| spot.receptor).collect();
@@ -119,7 +97,7 @@ impl TableView {
     pub fn says(&self, who: &str, said: &str, busy: bool) {
         let mut state = self.state();
         state.busy = busy;
-        state.lines.push(Utterance { who: who.into(), said: said.into() });
+        state.lines.push([who.into(), said.into()]);
         if state.lines.len() > MOST_LINES {
             state.lines.remove(0);
         }
@@ -135,16 +113,14 @@ impl LivePage for TableView {
     fn page(&self, _query: &str) -> Option<String> {
         let (own, things) = {
             let state = self.state();
-            (Pose::of_parts(state.own.clone()), Pose::of_parts(state.things.clone()))
+            (state.own.clone(), state.things.clone())
         };
         let truth = &self.truth;
         let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
-        for (k, (name, mesh)) in self.things.iter().enumerate() {
+        for (k, (_, name, mesh)) in self.things.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
             let labels = vec![name.clone(); mesh.pieces.len()];
-            let number = scene.meshes.len();
-            scene.layers.push(Layer { labels, ..Layer::solid("things", number, "things", colour) });
-            scene.meshes.push(mesh.clone());
+            scene.add_mesh("things", "things", mesh.clone(), colour).labels = labels;
         }
         let poses = |mesh: usize| if mesh < 2 { &own } else { &things };
         let drawn = scene.meshes.iter().enumerate().map(|(k, mesh)| (mesh, poses(k)));
@@ -170,20 +146,15 @@ impl LivePage for TableView {
 
     fn newest(&self) -> String {
         let state = self.state();
-        let lines: Vec<[&str; 2]> =
-            state.lines.iter().map(|line| [line.who.as_str(), line.said.as_str()]).collect();
         let doing = match (state.over, state.busy) {
             (true, _) => "The conversation is over.",
             (_, true) => "…",
             _ => "",
         };
         json!({
-            "poses": {
-                "own": Pose::of_parts(state.own.clone()).told(),
-                "things": Pose::of_parts(state.things.clone()).told(),
-            },
+            "poses": { "own": state.own.told(), "things": state.things.told() },
             "felt": state.felt,
-            "lines": lines,
+            "lines": state.lines,
             "doing": doing,
         })
         .to_string()
@@ -193,6 +164,7 @@ impl LivePage for TableView {
         let known = match &asked {
             Asked::Touch(receptor) => *receptor < self.agent.skin().receptors.len(),
             Asked::Say(text) => !text.is_empty(),
+            Asked::Show(_) => false,
         };
         if !known {
             return Reception::Nobody;

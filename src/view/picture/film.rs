@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use crate::error::{Error, Kind};
+use crate::error::Error;
 use crate::mujoco::Image;
 use crate::session::{PartFile, write_whole};
 
@@ -16,10 +16,6 @@ const FORMATS: [(&str, &str); 5] =
 /// still parts take no bytes.
 const GIF_COLOURS: &str =
     "split[a][b];[a]trim=end_frame=50,palettegen[p];[b][p]paletteuse=dither=none:diff_mode=rectangle";
-
-fn unwritable(path: &Path, error: &io::Error) -> Error {
-    Error::new(Kind::File, format!("cannot write {}: {error}: give another file with --out", path.display()))
-}
 
 /// An error of ffmpeg: frames as pictures can do without it.
 fn ffmpeg(path: &Path, what: &str, fix: &str) -> Error {
@@ -93,7 +89,7 @@ impl Film {
     pub fn begin(path: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Film, Error> {
         let mut film = Film { path: path.to_path_buf(), frames: 0, ffmpeg: None };
         let Some(format) = format_of(path) else { return Ok(film) };
-        let part = PartFile::begin(path).map_err(|error| unwritable(path, &error))?;
+        let part = PartFile::begin(path).map_err(Error::unwritable(path))?;
         let mut command = Command::new("ffmpeg");
         command.args(["-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pixel_format", "rgb24"]);
         command.args(["-video_size", &format!("{}x{}", size[0], size[1])]);
@@ -129,7 +125,7 @@ impl Film {
             return written.or_else(|_| self.end());
         }
         let path = numbered(&self.path, self.frames).unwrap_or_else(|| self.path.clone());
-        write_whole(&path, &png(image)).map_err(|error| unwritable(&path, &error))
+        write_whole(&path, &png(image)).map_err(Error::unwritable(&path))
     }
 
     /// Ends the film; how many frames it has.
@@ -151,7 +147,7 @@ impl Film {
         }
         let status = child.wait().map_err(|error| failed(&self.path, &error.to_string()))?;
         if status.success() {
-            return part.put().map_err(|error| unwritable(&self.path, &error));
+            return part.put().map_err(Error::unwritable(&self.path));
         }
         let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
         let message = if lines.is_empty() { status.to_string() } else { lines.join(", ") };

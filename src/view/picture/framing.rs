@@ -32,9 +32,7 @@ impl Direction {
     /// The direction from which points are seen that nobody told: the usual one, or more from the side and above where they lie
     /// along x, as a snake does, which from ahead is a ball.
     pub fn suiting(points: &[Point3<f64>]) -> Direction {
-        let least = points.iter().fold(Vector3::repeat(f64::INFINITY), |least, p| least.inf(&p.coords));
-        let most = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |most, p| most.sup(&p.coords));
-        let sides = most - least;
+        let sides = extent(points);
         if sides.x > LONG * sides.y.max(sides.z) {
             return Direction { azimuth: 245.0_f64.to_radians(), elevation: (-20.0_f64).to_radians() };
         }
@@ -73,40 +71,26 @@ pub fn frame(
             *sides = [sides[0].max(away - depth), sides[1].max(-away - depth)];
         }
     }
-    if !depths[0].is_finite() {
-        let (lookat, distance) = (Point3::origin(), distance.unwrap_or(1.0));
-        return Camera::Free { lookat, distance, azimuth: direction.azimuth, elevation: direction.elevation };
+    let (mut lookat, mut needed) = (Point3::origin(), 1.0);
+    if depths[0].is_finite() {
+        let middle = 0.5 * (depths[0] + depths[1]);
+        let farthest = back.iter().map(|[a, b]| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max);
+        let [x, y] = [0, 1].map(|k| 0.5 * (back[k][0] - back[k][1]) * half[k]);
+        lookat = Point3::from(ahead * middle + right * x + up * y);
+        needed = (farthest + middle).max(NEAREST);
     }
-    let middle = 0.5 * (depths[0] + depths[1]);
-    let needed = back.iter().map(|[a, b]| 0.5 * (a + b)).fold(f64::NEG_INFINITY, f64::max) + middle;
-    let [x, y] = [0, 1].map(|k| 0.5 * (back[k][0] - back[k][1]) * half[k]);
-    Camera::Free {
-        lookat: Point3::from(ahead * middle + right * x + up * y),
-        distance: distance.unwrap_or(needed.max(NEAREST)),
-        azimuth: direction.azimuth,
-        elevation: direction.elevation,
-    }
+    let Direction { azimuth, elevation } = direction;
+    Camera::Free { lookat, distance: distance.unwrap_or(needed), azimuth, elevation }
 }
 
-/// Points about a box or whatever fits one, given its pose and half its sides.
-fn corners(pose: &Isometry3<f64>, half: [f64; 3]) -> impl Iterator<Item = Point3<f64>> + use<> {
-    let pose = *pose;
-    (0..8).map(move |corner| {
-        let side = |k: usize| if corner >> k & 1 == 0 { half[k] } else { -half[k] };
-        pose * Point3::new(side(0), side(1), side(2))
-    })
-}
-
-/// Half the sides of the box about a shape, from its sizes as a geom has them.
-fn half_sides(kind: GeomKind, size: [f64; 3]) -> [f64; 3] {
-    Shape::primitive(kind, size).map_or(size, |shape| shape.half_bounds().into())
-}
-
-/// The longest side of the box along the world's axes about some points, metres.
-pub(super) fn extent(points: &[Point3<f64>]) -> f64 {
-    let least = points.iter().fold(Vector3::repeat(f64::INFINITY), |least, p| least.inf(&p.coords));
-    let most = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |most, p| most.sup(&p.coords));
-    (most - least).max().max(0.0)
+/// The sides of the box along the world's axes about some points, metres; 0 where there are none.
+pub(super) fn extent(points: &[Point3<f64>]) -> Vector3<f64> {
+    let places = || points.iter().map(|point| point.coords);
+    let (Some(least), Some(most)) = (places().reduce(|a, b| a.inf(&b)), places().reduce(|a, b| a.sup(&b)))
+    else {
+        return Vector3::zeros();
+    };
+    most - least
 }
 
 /// Points about all geoms of a model that are `shown` and end somewhere, auras left out, given data with poses computed.
@@ -121,7 +105,13 @@ pub fn outline_of(model: &Model, geom: usize, pose: &Isometry3<f64>) -> Vec<Poin
     let info = model.geom(geom);
     match info.kind {
         GeomKind::Mesh => model.mesh_vertices(geom).into_iter().map(|p| pose * Point3::from(p)).collect(),
-        kind if Shape::is_of_kind(kind) => corners(pose, half_sides(kind, info.size)).collect(),
+        kind if Shape::is_of_kind(kind) => {
+            // The corners of the box about it.
+            let half: [f64; 3] =
+                Shape::primitive(kind, info.size).map_or(info.size, |shape| shape.half_bounds().into());
+            let side = |corner: usize, k: usize| if corner >> k & 1 == 0 { half[k] } else { -half[k] };
+            (0..8).map(|corner| pose * Point3::from([0, 1, 2].map(|k| side(corner, k)))).collect()
+        }
         _ => Vec::new(),
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::ReportInput;
 use crate::session::Checkpoint;
 use crate::skin::{Receptor, Skin};
-use crate::view::body::{AURAS, Beside, BodyMesh, BodyScene, Layer, Look, MAP, Pose, SHADE, Skeleton, Step};
+use crate::view::body::{AURAS, Beside, BodyScene, MAP, Pose, Step};
 use crate::view::text::plural;
 
 /// Most steps of the slider, …
@@ -31,21 +31,20 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
+    let receptors = drawn.iter().map(|&receptor| agent.skin().receptors[receptor].clone()).collect();
+    let skin = Skin { receptors, surfaces: agent.skin().surfaces.clone() };
     let counts: Vec<usize> = drawn.iter().map(|&receptor| counts[receptor]).collect();
-    let skin = Skin {
-        receptors: drawn.iter().map(|&receptor| agent.skin().receptors[receptor].clone()).collect(),
-        surfaces: agent.skin().surfaces.clone(),
-    };
+    let most = counts.iter().copied().max().unwrap_or(0);
+    let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
     let touched =
         |(receptor, count): (&Receptor, &usize)| format!("{}: touched {}", receptor.id, times(*count));
-    scene.meshes[1] = BodyMesh::of_receptors(&skin);
-    scene.layers[1] = Layer::receptors("learned", skin.receptors.iter().zip(&counts).map(touched).collect());
+    let labels = skin.receptors.iter().zip(&counts).map(touched).collect();
+    scene.only_receptors(&skin, labels, counts.iter().map(|count| shade(*count)).collect());
     scene.poses = vec![("learned", Pose::at_rest(creature, input.schema))];
-    scene.skeletons.push(Skeleton::learned(agent, input.undetermined));
+    scene.add_joints(agent, input.undetermined);
     if let Some(truth) = input.truth {
         scene.poses.push(("true", Pose::at_rest(creature, &truth.schema)));
-        scene.layers.push(Layer { look: Look::Ghost, ..Layer::solid("true body", 0, "true", SHADE) });
-        scene.skeletons.push(Skeleton::shade(agent, "true joints", "true"));
+        scene.add_truth(agent);
     }
     let all = scene.meshes.iter().flat_map(|mesh| scene.poses.iter().map(move |(_, pose)| (mesh, pose)));
     let Some(room) = BodyScene::room_of(all) else {
@@ -58,9 +57,6 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
         scene.layers.retain(|layer| layer.mesh != 0);
         scene.auras.clear();
     }
-    let most = counts.iter().copied().max().unwrap_or(0);
-    let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
-    scene.values = counts.iter().map(|count| shade(*count)).collect();
     scene.steps = steps(input);
     let several = scene.steps.len() > 1;
     scene.room = room;
