@@ -1,6 +1,6 @@
 //! `bodyschema completions`: what a shell needs to complete its command lines.
 
-use clap::Command;
+use clap::{Command, CommandFactory};
 use clap_complete::Shell;
 
 use super::Outcome;
@@ -19,7 +19,8 @@ pub struct CompletionsArguments {
     shell: Shell,
 }
 
-pub fn run(args: &CompletionsArguments, program: &Command) -> Outcome {
+pub fn run(args: &CompletionsArguments) -> Outcome {
+    let program = super::Cli::command();
     // Some of the generators would name hidden commands, too.
     let visible = program.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
     let mut visible = Command::new("bodyschema")

@@ -85,26 +85,42 @@ struct Cli {
     quiet: bool,
 }
 
-#[derive(Subcommand)]
-enum Command {
-    // What each is for stands over its arguments: there help has it whole.
-    Babble(babble::BabbleArguments),
-    Learn(learn::LearnArguments),
-    Calibrate(calibrate::CalibrateArguments),
-    Plan(calibrate::plan::PlanArguments),
-    Report(report::ReportArguments),
-    View(view::ViewArguments),
-    Render(render::RenderArguments),
-    Reach(reach::ReachArguments),
-    Export(export::ExportArguments),
-    Inspect(inspect::InspectArguments),
-    Skin(skin::SkinArguments),
-    Talk(talk::TalkArguments),
-    Study(study::StudyArguments),
+/// The commands, each with its arguments, over which stands what it is for, and what carries it out.
+macro_rules! commands {
+    ($($(#[$about:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
+        #[derive(Subcommand)]
+        enum Command {
+            $($(#[$about])* $name($arguments),)*
+        }
+
+        impl Command {
+            fn run(&self) -> Outcome {
+                match self {
+                    $(Command::$name(arguments) => $run(arguments),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    Babble(babble::BabbleArguments) => babble::run,
+    Learn(learn::LearnArguments) => learn::run,
+    Calibrate(calibrate::CalibrateArguments) => calibrate::run,
+    Plan(calibrate::plan::PlanArguments) => calibrate::plan::run,
+    Report(report::ReportArguments) => report::run,
+    View(view::ViewArguments) => view::run,
+    Render(render::RenderArguments) => render::run,
+    Reach(reach::ReachArguments) => reach::run,
+    Export(export::ExportArguments) => export::run,
+    Inspect(inspect::InspectArguments) => inspect::run,
+    Skin(skin::SkinArguments) => skin::run,
+    Talk(talk::TalkArguments) => talk::run,
+    Study(study::StudyArguments) => study::run,
     #[command(hide = true)]
-    Completions(completions::CompletionsArguments),
+    Completions(completions::CompletionsArguments) => completions::run,
     #[command(hide = true)]
-    Rehearse(open::RehearseArgs),
+    Rehearse(open::RehearseArgs) => open::run,
 }
 
 /// Whether a command line, the program's own name first, is right usage; nothing is carried out.
@@ -193,21 +209,5 @@ fn carry_out() -> Outcome {
     }
     threads::make();
     refuse_options_beside_resume(&mut program, &matches);
-    match cli.command {
-        Command::Babble(args) => babble::run(&args),
-        Command::Learn(args) => learn::run(&args),
-        Command::Calibrate(args) => calibrate::run(&args),
-        Command::Plan(args) => calibrate::plan::run(&args),
-        Command::Report(args) => report::run(&args),
-        Command::View(args) => view::run(&args),
-        Command::Render(args) => render::run(&args),
-        Command::Reach(args) => reach::run(&args),
-        Command::Export(args) => export::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Skin(args) => skin::run(&args),
-        Command::Talk(args) => talk::run(&args),
-        Command::Study(args) => study::run(&args),
-        Command::Completions(args) => completions::run(&args, &Cli::command()),
-        Command::Rehearse(args) => open::run(&args),
-    }
+    cli.command.run()
 }

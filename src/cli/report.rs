@@ -8,8 +8,9 @@ use super::folders::written_session;
 use super::learned::{print_bound, print_knowledge, warn_truncated};
 use super::open::known_truth;
 use super::{Outcome, output, progress};
+use crate::creature::Joint;
 use crate::evaluation::{Evaluation, Summary, touch_misses, touches_across};
-use crate::learning::Account;
+use crate::learning::LimbLine;
 use crate::senses::RecordedTouch;
 use crate::session::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
 use crate::view::report::{REPORT_FILE, error_rows, limb_table, summaries, write_report};
@@ -88,38 +89,37 @@ impl Found<'_> {
             "touch_mm": self.residual,
         });
         let [of_joints, of_limbs] = touches_across(agent, self.touches);
-        let named = creature.joints().iter().map(|joint| &joint.name).zip(of_joints);
-        let mut joints: Vec<Value> =
-            named.map(|(joint, touches)| json!({ "joint": joint, "touches": touches })).collect();
+        // Bounds hold near a right schema only: none are given of one that no held-out touches confirm.
         let account = self.record.reliable_account();
-        let limbs: Vec<Value> = match account {
-            Some(account) => {
-                for (j, joint) in joints.iter_mut().enumerate() {
-                    *joint = output::joined(joint.take(), joint_json(account, self.session, j));
-                }
-                let lines = account.limb_lines(creature).into_iter();
-                let bound = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
-                lines
-                    .map(|line| {
-                        json!({
-                            "limb": creature.limbs()[line.limb],
-                            "touches": line.touches,
-                            "supporting_touches": line.supporting,
-                            "best_mm": bound(line.bounds[0]),
-                            "worst_mm": bound(line.bounds[1]),
-                            "open": line.why,
-                        })
-                    })
-                    .collect()
-            }
-            // Bounds hold near a right schema only: none are given of one that no held-out touches confirm.
-            None => {
-                let limbs = agent.limbs_with_skin().into_iter();
-                let line = |limb: usize| json!({ "limb": creature.limbs()[limb], "touches": of_limbs[limb] });
-                limbs.map(line).collect()
-            }
+        let joint = |(j, joint): (usize, &Joint)| {
+            let counted = json!({ "joint": joint.name, "touches": of_joints[j] });
+            account.map_or(counted.clone(), |account| {
+                let observed = &account.observability;
+                let degrees = |dof: usize| observed.axis_std(creature, dof).map(f64::to_degrees);
+                let certain = json!({
+                    "position_std_mm": observed.position_std(j).map(|metres| metres.map(|m| 1e3 * m)),
+                    "axes_std_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
+                });
+                output::joined(counted, certain)
+            })
         };
-        (all["joints"], all["limbs"]) = (joints.into(), limbs.into());
+        let bound = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
+        let line = |line: LimbLine| {
+            json!({
+                "limb": creature.limbs()[line.limb],
+                "touches": line.touches,
+                "supporting_touches": line.supporting,
+                "best_mm": bound(line.bounds[0]),
+                "worst_mm": bound(line.bounds[1]),
+                "open": line.why,
+            })
+        };
+        let counted = |limb: usize| json!({ "limb": creature.limbs()[limb], "touches": of_limbs[limb] });
+        all["joints"] = creature.joints().iter().enumerate().map(joint).collect();
+        all["limbs"] = match account {
+            Some(account) => account.limb_lines(creature).into_iter().map(line).collect(),
+            None => agent.limbs_with_skin().into_iter().map(counted).collect(),
+        };
         let Some(account) = account else { return all };
         let observed = &account.observability;
         let deviation = self.record.account.as_ref().and_then(|recorded| recorded.deviation);
@@ -153,15 +153,4 @@ impl Found<'_> {
         }
         say!("\npage: {}", args.session.join(REPORT_FILE).display());
     }
-}
-
-/// The standard deviations of a joint's position and axes; null if nothing determines them.
-fn joint_json(account: &Account, session: &Session, joint: usize) -> Value {
-    let (creature, observed) = (session.agent.creature(), &account.observability);
-    let axes = creature.joints()[joint].dof_indices();
-    let degrees = |dof: usize| observed.axis_std(creature, dof).map(f64::to_degrees);
-    json!({
-        "position_std_mm": observed.position_std(joint).map(|metres| metres.map(|m| 1e3 * m)),
-        "axes_std_deg": axes.map(degrees).collect::<Vec<_>>(),
-    })
 }

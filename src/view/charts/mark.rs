@@ -87,6 +87,10 @@ impl ChartGroup {
     pub(super) fn draw(&self, place: &dyn Fn([f64; 2]) -> [i32; 2], svg: &mut String) {
         let _ = writeln!(svg, "<g class=\"{}\">", self.ink.class());
         let finite = |point: &[f64; 2]| point.iter().all(|x| x.is_finite());
+        let title = |says: &str| match says {
+            "" => String::new(),
+            says => format!("<title>{}</title>", escape(says)),
+        };
         for mark in &self.marks {
             match mark {
                 ChartMark::Line { points, dashes, width } => {
@@ -97,47 +101,26 @@ impl ChartGroup {
                     }
                 }
                 ChartMark::Dot { at, radius, cross, says } if finite(at) => {
-                    let [x, y] = place(*at);
-                    let r = (FINE * radius).round() as i32;
-                    let says = escape(says);
-                    let _ = if *cross {
-                        writeln!(
-                            svg,
-                            "<path class=\"cross\" d=\"M{} {}l{d} {d}m0 -{d}l-{d} {d}\"><title>{says}</title></path>",
-                            x - r,
-                            y - r,
-                            d = 2 * r
-                        )
+                    let ([x, y], r) = (place(*at), (FINE * radius).round() as i32);
+                    let (shape, name) = if *cross {
+                        let (x, y, d) = (x - r, y - r, 2 * r);
+                        (format!("class=\"cross\" d=\"M{x} {y}l{d} {d}m0 -{d}l-{d} {d}\""), "path")
                     } else {
-                        writeln!(
-                            svg,
-                            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"><title>{says}</title></circle>"
-                        )
+                        (format!("cx=\"{x}\" cy=\"{y}\" r=\"{r}\""), "circle")
                     };
+                    let _ = writeln!(svg, "<{name} {shape}>{}</{name}>", title(says));
                 }
                 ChartMark::Cell { from, to, opacity, text, says } if finite(from) && finite(to) => {
                     let (a, b) = (place(*from), place(*to));
                     let [x, y] = [0, 1].map(|k| a[k].min(b[k]));
                     let [w, h] = [0, 1].map(|k| (a[k] - b[k]).abs());
-                    let shade = if *opacity < 1.0 {
-                        format!(" fill-opacity=\"{opacity:.2}\"")
-                    } else {
-                        String::new()
-                    };
-                    let title = match says.as_str() {
-                        "" => "/>\n".to_string(),
-                        says => format!("><title>{}</title></rect>\n", escape(says)),
-                    };
+                    let shape = format!("x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"");
                     let _ =
-                        write!(svg, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"{shade}{title}");
+                        writeln!(svg, "<rect {shape} fill-opacity=\"{opacity:.2}\">{}</rect>", title(says));
                     if !text.is_empty() {
                         let class = if *opacity > 0.62 { "on" } else { "in" };
-                        let (x, y) = (x + w / 2, y + h / 2 + 40);
-                        let _ = writeln!(
-                            svg,
-                            "<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{}</text>",
-                            escape(text)
-                        );
+                        let (x, y, text) = (x + w / 2, y + h / 2 + 40, escape(text));
+                        let _ = writeln!(svg, "<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{text}</text>");
                     }
                 }
                 ChartMark::Dot { .. } | ChartMark::Cell { .. } => {}
@@ -148,12 +131,9 @@ impl ChartGroup {
 
     /// What stands for it in the legend.
     pub(super) fn sample(&self) -> String {
-        match self
-            .marks
-            .iter()
-            .rev()
-            .find(|mark| !matches!(mark, ChartMark::Line { points, .. } if points.len() < 2))
-        {
+        let is_there =
+            |mark: &&ChartMark| !matches!(mark, ChartMark::Line { points, .. } if points.len() < 2);
+        match self.marks.iter().rfind(is_there) {
             Some(ChartMark::Dot { cross: true, .. }) => {
                 "<path class=\"cross\" d=\"M40 -35l70 70m0 -70l-70 70\"/>".into()
             }
@@ -165,13 +145,10 @@ impl ChartGroup {
 }
 
 fn line(points: &[[i32; 2]], dashes: &str, width: f64) -> String {
-    let dashes = match dashes {
-        "" => String::new(),
-        dashes => {
-            let fine =
-                dashes.split(' ').filter_map(|n| n.parse::<f64>().ok()).map(|n| format!("{:.0}", FINE * n));
-            format!(" stroke-dasharray=\"{}\"", fine.collect::<Vec<_>>().join(" "))
-        }
+    let fine = dashes.split(' ').filter_map(|n| n.parse::<f64>().ok()).map(|n| format!("{:.0}", FINE * n));
+    let dashes = match fine.collect::<Vec<_>>().join(" ") {
+        none if none.is_empty() => none,
+        dashes => format!(" stroke-dasharray=\"{dashes}\""),
     };
     let places: Vec<String> = points.iter().map(|[x, y]| format!("{x} {y}")).collect();
     format!(

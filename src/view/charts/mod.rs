@@ -174,47 +174,38 @@ impl Panel {
             let share = self.y.share(y);
             fine(corner[1] + height * if self.y.is_named() { share } else { 1.0 - share })
         };
-        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {top}V{foot}h{}\"/>", fine(width));
-        for tick in self.x.ticks() {
-            let (x, label) = (across(tick), escape(&self.x.label(tick)));
-            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x} {top}V{foot}\"/>");
-            let _ = if self.x.is_named() {
-                let (x, y) = (x + fine(4.0), foot + fine(10.0));
-                writeln!(
+        let wide = fine(width);
+        let mut grid = |d: String| svg.push_str(&format!("<path class=\"grid\" d=\"{d}\"/>\n"));
+        grid(format!("M{left} {top}V{foot}h{wide}"));
+        self.x.ticks().into_iter().for_each(|tick| grid(format!("M{} {top}V{foot}", across(tick))));
+        self.y.ticks().into_iter().for_each(|tick| grid(format!("M{left} {}h{wide}", up(tick))));
+        // A text of a class at a place, turned by some degrees.
+        let mut text = |class: &str, [x, y]: [i32; 2], turned: i32, words: &str| {
+            let _ = match words {
+                "" => Ok(()),
+                words => writeln!(
                     svg,
-                    "<text class=\"aslant\" transform=\"translate({x} {y}) rotate(-45)\">{label}</text>"
-                )
-            } else {
-                let y = foot + fine(GAP + LETTERS - 3.0);
-                writeln!(svg, "<text class=\"middle\" x=\"{x}\" y=\"{y}\">{label}</text>")
+                    "<text class=\"{class}\" transform=\"translate({x} {y}) rotate({turned})\">{}</text>",
+                    escape(words)
+                ),
             };
+        };
+        for tick in self.x.ticks() {
+            let (x, label) = (across(tick), self.x.label(tick));
+            if self.x.is_named() {
+                text("aslant", [x + fine(4.0), foot + fine(10.0)], -45, &label);
+            } else {
+                text("middle", [x, foot + fine(GAP + LETTERS - 3.0)], 0, &label);
+            }
         }
         for tick in self.y.ticks() {
-            let (x, y, label) = (left - fine(GAP), up(tick), escape(&self.y.label(tick)));
-            let _ = writeln!(
-                svg,
-                "<path class=\"grid\" d=\"M{left} {y}h{}\"/>\n<text class=\"end\" x=\"{x}\" y=\"{}\">{label}</text>",
-                fine(width),
-                y + 42
-            );
+            text("end", [left - fine(GAP), up(tick) + 42], 0, &self.y.label(tick));
         }
-        if !self.x.title.is_empty() {
-            let y = fine(corner[1] + height + self.margins()[3] - 6.0);
-            let (x, title) = (left + fine(width / 2.0), escape(&self.x.title));
-            let _ = writeln!(svg, "<text class=\"middle\" x=\"{x}\" y=\"{y}\">{title}</text>");
-        }
-        if !self.y.title.is_empty() {
-            let x = left - fine(2.0 * GAP + self.y.widest());
-            let (y, title) = (top + fine(height / 2.0), escape(&self.y.title));
-            let _ = writeln!(
-                svg,
-                "<text class=\"middle\" transform=\"translate({x} {y}) rotate(-90)\">{title}</text>"
-            );
-        }
-        if !self.title.is_empty() {
-            let _ =
-                writeln!(svg, "<text x=\"{left}\" y=\"{}\">{}</text>", top - fine(GAP), escape(&self.title));
-        }
+        let below = fine(corner[1] + height + self.margins()[3] - 6.0);
+        text("middle", [left + fine(width / 2.0), below], 0, &self.x.title);
+        let beside = left - fine(2.0 * GAP + self.y.widest());
+        text("middle", [beside, top + fine(height / 2.0)], -90, &self.y.title);
+        text("", [left, top - fine(GAP)], 0, &self.title);
         self.groups.iter().for_each(|group| group.draw(&|[x, y]| [across(x), up(y)], svg));
     }
 }

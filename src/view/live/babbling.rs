@@ -145,23 +145,20 @@ impl BabblingView {
         ASIDE * self.extent
     }
 
-    /// The touches made so far, and the distance of each from its prediction.
+    /// The touches made so far, and the distance of each from its prediction: the id, the chart and its caption.
     fn charts_of(made: &[[f64; 2]], missed: &[[f64; 2]]) -> [(&'static str, Chart, &'static str); 2] {
-        let chart = |says: &str, x: (&str, Scale), y: (&str, Scale), ink: Ink, marks: Vec<ChartMark>| {
-            Chart::new(says, Panel::new(x, y, vec![ChartGroup::new("", ink, marks)], [420.0, 170.0]))
-        };
-        let along = |points: &[[f64; 2]], k: usize| points.iter().map(|p| p[k]).collect::<Vec<_>>();
-        let [x, y] = [0, 1].map(|k| Scale::linear(0.0, along(made, k)));
-        let line = vec![ChartMark::line(made.to_vec())];
-        let first = chart("Touches over time", ("seconds", x), ("touches", y), Ink::Blue, line);
-        let [x, y] = [Scale::linear(0.0, along(missed, 0)), Scale::logarithmic(along(missed, 1))];
+        let along = |points: &[[f64; 2]], k: usize| Scale::linear(0.0, points.iter().map(|p| p[k]));
+        let chart = |says: &str, x, y, group| Chart::new(says, Panel::new(x, y, vec![group], [420.0, 170.0]));
+        let line = ChartGroup::new("", Ink::Blue, vec![ChartMark::line(made.to_vec())]);
+        let (x, y) = (("seconds", along(made, 0)), ("touches", along(made, 1)));
         let dot = |p: &[f64; 2]| ChartMark::dot(*p, 2.0, format!("touch {:.0}: {} mm", p[0], number(p[1])));
-        let dots = missed.iter().map(dot).collect();
-        let says = "Prediction error of each touch";
-        let second = chart(says, ("touches", x), ("prediction error, mm", y), Ink::Grey, dots);
+        let dots = ChartGroup::new("", Ink::Grey, missed.iter().map(dot).collect());
+        let millimetres = ("prediction error, mm", Scale::logarithmic(missed.iter().map(|p| p[1])));
+        let missed =
+            chart("Prediction error of each touch", ("touches", along(missed, 0)), millimetres, dots);
         [
-            ("made", first, "Touches made."),
-            ("missed", second, "How far apart the learned body had put the two surfaces that then touched."),
+            ("made", chart("Touches over time", x, y, line), "Touches made."),
+            ("missed", missed, "How far apart the learned body had put the two surfaces that then touched."),
         ]
     }
 }

@@ -26,35 +26,24 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let drawn: Vec<f64> =
         all.into_iter().filter(|value| value.abs() <= limit).map(|value| scale * value).collect();
     let beyond = count - drawn.len();
-    let what = if residuals.gaps {
-        format!("gap between the two surfaces, {unit}")
-    } else {
-        format!("distance between the two points, {unit}")
-    };
+    let what =
+        if residuals.gaps { "gap between the two surfaces" } else { "distance between the two points" };
     let bars = histogram(&drawn);
-    let says = |[from, to]: [f64; 2], count: usize| {
-        format!("{} from {} to {} {unit}", touches(count), number(from), number(to))
-    };
-    let cell = |&(sides, count): &([f64; 2], usize)| ChartMark::Cell {
-        from: [sides[0], 0.0],
-        to: [sides[1], count as f64],
-        opacity: 1.0,
-        text: String::new(),
-        says: says(sides, count),
+    let cell = |&([from, to], count): &([f64; 2], usize)| {
+        let says = format!("{} from {} to {} {unit}", touches(count), number(from), number(to));
+        let (from, to) = ([from, 0.0], [to, count as f64]);
+        ChartMark::Cell { from, to, opacity: 1.0, text: String::new(), says }
     };
     let marks = bars.iter().filter(|(_, count)| *count > 0).map(cell).collect();
     let (first, last) = (bars[0].0[0], bars[bars.len() - 1].0[1]);
     let room = 0.02 * (last - first);
-    let axes = (
-        (what.as_str(), Scale::Linear(first - room, last + room)),
-        ("touches", Scale::linear(0.0, bars.iter().map(|(_, n)| *n as f64))),
-    );
-    let panel = Panel::new(axes.0, axes.1, vec![ChartGroup::new("", Ink::Blue, marks)], [660.0, 230.0]);
+    let x = (format!("{what}, {unit}"), Scale::Linear(first - room, last + room));
+    let y = ("touches", Scale::linear(0.0, bars.iter().map(|(_, count)| *count as f64)));
+    let groups = vec![ChartGroup::new("", Ink::Blue, marks)];
+    let panel = Panel::new((x.0.as_str(), x.1), y, groups, [660.0, 230.0]);
+    let [median, p95, most] = [sizes.median, sizes.p95, sizes.max].map(|x| number(scale * x));
     let mut caption = format!(
-        "Every touch under the learned schema; {} {unit} on the median, {} {unit} at 95 %, {} {unit} at most.",
-        number(scale * sizes.median),
-        number(scale * sizes.p95),
-        number(scale * sizes.max)
+        "Every touch under the learned schema; {median} {unit} on the median, {p95} {unit} at 95 %, {most} {unit} at most."
     );
     if residuals.gaps {
         caption.push_str(" Below zero the two overlap.");

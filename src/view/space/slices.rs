@@ -17,46 +17,35 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 const LEVELS: [(Ink, &str); 4] =
     [(Ink::Sand, "far"), (Ink::Ochre, "far, for more"), (Ink::Sky, "near"), (Ink::Blue, "near, for more")];
 
-/// A slice: its name, the axes to the right and upwards with what they are called, and the axis across it.
-struct Slice {
-    name: &'static str,
-    axes: [usize; 2],
-    across: usize,
-}
+/// The slices, each with the axes to the right and upwards: as MJCF has them for a body that stands, x ahead, y to the left and z
+/// up.
+const SLICES: [(&str, [usize; 2]); 3] =
+    [("from above", [1, 0]), ("from the side", [0, 2]), ("from the front", [1, 2])];
 
-/// Axes as MJCF has them for a body that stands: x ahead, y to the left, z up.
-const SLICES: [Slice; 3] = [
-    Slice { name: "from above", axes: [1, 0], across: 2 },
-    Slice { name: "from the side", axes: [0, 2], across: 1 },
-    Slice { name: "from the front", axes: [1, 2], across: 0 },
-];
 /// Where the slices cross: the middle of what is near to any hand.
 fn crossing(maps: &[ReachableMap]) -> Vector3<f64> {
-    let mut middle = Vector3::zeros();
-    let mut count = 0.0;
-    for map in maps {
-        for (cell, _) in map.voxels().filter(|(_, level)| *level == Level::Near) {
-            middle += map.lattice().middle(cell);
-            count += 1.0;
-        }
-    }
-    if count == 0.0 { Vector3::zeros() } else { middle / count }
+    let near = |map: &ReachableMap| -> Vec<Vector3<f64>> {
+        let near = map.voxels().filter(|(_, level)| *level == Level::Near);
+        near.map(|(cell, _)| map.lattice().middle(cell)).collect()
+    };
+    let near: Vec<Vector3<f64>> = maps.iter().flat_map(near).collect();
+    near.iter().sum::<Vector3<f64>>() / near.len().max(1) as f64
 }
 
-/// Points of the outline of a limb's pieces, seen along an axis, in the map's frame.
-fn outlines(own: &OwnBody, map: &ReachableMap, slice: &Slice) -> Vec<Vec<Vector3<f64>>> {
+/// The outlines of a limb's pieces, seen along an axis, in the map's frame: along the two other axes, to a tenth of a millimetre.
+fn outlines(own: &OwnBody, map: &ReachableMap, [a, b]: [usize; 2]) -> Vec<Vec<[f64; 2]>> {
     let frames = own.frames(&own.at_ease());
     let to_map = map.frame.inverse();
-    let [a, b] = slice.axes;
     let outline = |surface: &crate::skin::Surface| {
         let pose = to_map * frames[surface.limb];
         let around = (0..=48).map(|k| std::f64::consts::TAU * f64::from(k) / 48.0);
-        let directions = around.map(|angle| {
+        let farthest = around.filter_map(|angle| {
             let mut direction = Vector3::zeros();
             (direction[a], direction[b]) = (angle.cos(), angle.sin());
-            pose.rotation.tr_mul(&direction)
+            let point = pose.point(&surface.support(&pose.rotation.tr_mul(&direction))?);
+            Some([a, b].map(|k| (1e4 * point[k]).round() / 1e4))
         });
-        directions.filter_map(|direction| Some(pose.point(&surface.support(&direction)?))).collect()
+        farthest.collect()
     };
     own.skin().surfaces.iter().map(outline).filter(|points: &Vec<_>| !points.is_empty()).collect()
 }
@@ -71,20 +60,18 @@ pub fn record(own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> Spac
         voxel: about(maps).voxel,
         litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
         doubts,
-        slices: SLICES.iter().map(|slice| slice_of(own, maps, slice)).collect(),
+        slices: SLICES.iter().map(|(name, axes)| slice_of(own, maps, name, *axes)).collect(),
     }
 }
 
-fn slice_of(own: &OwnBody, maps: &[ReachableMap], slice: &Slice) -> SpaceSlice {
+fn slice_of(own: &OwnBody, maps: &[ReachableMap], name: &str, axes @ [a, b]: [usize; 2]) -> SpaceSlice {
     let lattice = about(maps);
-    let [a, b] = slice.axes;
-    let at = lattice.cell(&crossing(maps))[slice.across];
+    let at = lattice.cell(&crossing(maps))[3 - a - b];
     let digit = |u: usize, v: usize| {
         let mut cell = [at; 3];
         (cell[a], cell[b]) = (lattice.first[a] + u as i32, lattice.first[b] + v as i32);
         let count = |level: fn(Level) -> bool| maps.iter().filter(|map| level(map.level_of(cell))).count();
-        let near = count(|level| level == Level::Near);
-        match (near, count(|level| level != Level::OutOfReach)) {
+        match (count(|level| level == Level::Near), count(|level| level != Level::OutOfReach)) {
             (0, 0) => '0',
             (0, 1) => '1',
             (0, _) => '2',
@@ -93,17 +80,13 @@ fn slice_of(own: &OwnBody, maps: &[ReachableMap], slice: &Slice) -> SpaceSlice {
         }
     };
     let row = |v: usize| (0..lattice.counts[a]).map(|u| digit(u, v)).collect();
-    let outlines = maps.first().map_or(Vec::new(), |map| outlines(own, map, slice));
     SpaceSlice {
-        name: slice.name.to_string(),
-        axes: slice.axes,
+        name: name.to_string(),
+        axes,
         at: f64::from(at) * lattice.voxel,
-        first: slice.axes.map(|axis| f64::from(lattice.first[axis]) * lattice.voxel),
+        first: axes.map(|axis| f64::from(lattice.first[axis]) * lattice.voxel),
         rows: (0..lattice.counts[b]).map(row).collect(),
-        outlines: outlines
-            .iter()
-            .map(|line| line.iter().map(|p| [a, b].map(|k| (1e4 * p[k]).round() / 1e4)).collect())
-            .collect(),
+        outlines: maps.first().map_or(Vec::new(), |map| outlines(own, map, axes)),
     }
 }
 
@@ -123,15 +106,12 @@ pub fn chart(space: &SpaceRecord, says: &str) -> Chart {
         // From above, the body faces up the page, and its left is to the left.
         let turned = a == 1 && b == 0;
         let across = if turned { Scale::Linear(high[a], low[a]) } else { Scale::Linear(low[a], high[a]) };
+        let at = plain((1e2 * slice.at).round() / 1e2);
+        let ruler = |axis: usize, scale| Ruler { title: format!("{}, m", NAMES[axis]), scale };
         Panel {
-            title: format!(
-                "{}, {} = {} m",
-                slice.name,
-                NAMES[3 - a - b],
-                plain((1e2 * slice.at).round() / 1e2)
-            ),
-            x: Ruler { title: format!("{}, m", NAMES[a]), scale: across },
-            y: Ruler { title: format!("{}, m", NAMES[b]), scale: Scale::Linear(low[b], high[b]) },
+            title: format!("{}, {} = {at} m", slice.name, NAMES[3 - a - b]),
+            x: ruler(a, across),
+            y: ruler(b, Scale::Linear(low[b], high[b])),
             // One legend is enough for all.
             groups: groups(slice, space.voxel, space.hands.len() > 1, n == 0),
             plot: [span(a), span(b)].map(|metres| WIDTH * metres / widths),
