@@ -21,6 +21,16 @@ pub(crate) fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a s
     (slips <= if near.len() <= SHORT { 1 } else { SLIPS }).then_some(near)
 }
 
+/// Names in a row, or a word where there are none; long lists are cut.
+pub(crate) fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 8;
+    match names.len() {
+        0 => "none".to_string(),
+        n if n <= SHOWN => names.join(", "),
+        n => format!("{} and {} more", names[..SHOWN].join(", "), n - SHOWN),
+    }
+}
+
 /// A name of a model as a person says it.
 pub(crate) fn in_words(name: &str) -> String {
     name.replace('_', " ")

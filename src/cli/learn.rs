@@ -82,8 +82,8 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
 pub fn run(args: &LearnArguments) -> Outcome {
     let Learnable { lock, made, session, touches, learning } =
         match (&args.session, &args.creature, &args.log) {
-            (Some(folder), ..) => from_session(args, folder)?,
-            (None, Some(creature), Some(log)) => from_recording(args, creature, log)?,
+            (Some(folder), ..) => args.from_session(folder)?,
+            (None, Some(creature), Some(log)) => args.from_recording(creature, log)?,
             // The parser sees to it that there is one or the other.
             _ => return Err("give a session's folder, or --creature and --log".into()),
         };
@@ -129,40 +129,45 @@ struct Learnable {
     learning: LearningOptions,
 }
 
-fn from_session(args: &LearnArguments, folder: &Path) -> Result<Learnable, Failure> {
-    let own = args.out.is_none().then(|| written_session(folder)).transpose()?;
-    let reading = ReadLock::take(folder)?;
-    let mut session = Session::read(folder)?;
-    let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
-    drop(reading);
-    warn_truncated(&log, folder);
-    let mut touches = log.touches;
-    let learning = args.learning.options_for(&session)?;
-    let (lock, made) = match own {
-        Some(lock) => (lock, None),
-        None => {
-            let lock = session_folder(args.out.as_deref(), session.agent.creature().name(), args.force)?;
-            (lock, Some(BabbledSession { session: session.clone(), touches: touches.clone(), grown: None }))
-        }
-    };
-    touches.truncate(most(args));
-    session.seed = args.seed.unwrap_or(session.seed);
-    Ok(Learnable { lock, made, session, touches, learning })
-}
+impl LearnArguments {
+    /// What is learned from a session's touches, in its own folder unless there is another.
+    fn from_session(&self, folder: &Path) -> Result<Learnable, Failure> {
+        let own = self.out.is_none().then(|| written_session(folder)).transpose()?;
+        let reading = ReadLock::take(folder)?;
+        let mut session = Session::read(folder)?;
+        let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
+        drop(reading);
+        warn_truncated(&log, folder);
+        let mut touches = log.touches;
+        let learning = self.learning.options_for(&session)?;
+        let made =
+            own.is_none().then(|| BabbledSession { session: session.clone(), touches: touches.clone(), grown: None });
+        let lock = own.map_or_else(|| self.new_folder(&session), Ok)?;
+        touches.truncate(self.most());
+        session.seed = self.seed.unwrap_or(session.seed);
+        Ok(Learnable { lock, made, session, touches, learning })
+    }
 
-/// Makes a session of a recording.
-fn from_recording(args: &LearnArguments, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
-    let (asked, command) = (args.learning.bare(None), output::command_line());
-    let of = (creature, log);
-    let mut recorded =
-        BabbledSession::of_recording(of, most(args), args.seed, &asked, command, &Bars::default())?;
-    recorded.session.options.known = args.learning.known.as_ref().map(|known| known.display().to_string());
-    let learning = args.learning.options_for(&recorded.session)?;
-    let lock = session_folder(args.out.as_deref(), recorded.session.agent.creature().name(), args.force)?;
-    let BabbledSession { session, touches, .. } = recorded.clone();
-    Ok(Learnable { lock, made: Some(recorded), session, touches, learning })
-}
+    /// What is learned from a recording, of which a session is made.
+    fn from_recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
+        let (asked, command) = (self.learning.bare(None), output::command_line());
+        let of = (creature, log);
+        let mut recorded =
+            BabbledSession::of_recording(of, self.most(), self.seed, &asked, command, &Bars::default())?;
+        let known = self.learning.known.as_ref().map(|known| known.display().to_string());
+        recorded.session.options.known = known;
+        let learning = self.learning.options_for(&recorded.session)?;
+        let lock = self.new_folder(&recorded.session)?;
+        let BabbledSession { session, touches, .. } = recorded.clone();
+        Ok(Learnable { lock, made: Some(recorded), session, touches, learning })
+    }
 
-fn most(args: &LearnArguments) -> usize {
-    args.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX))
+    fn new_folder(&self, session: &Session) -> Result<FolderLock, Failure> {
+        session_folder(self.out.as_deref(), session.agent.creature().name(), self.force)
+    }
+
+    /// How many touches to use at the most.
+    fn most(&self) -> usize {
+        self.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX))
+    }
 }

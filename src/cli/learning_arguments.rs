@@ -36,7 +36,7 @@ pub struct LearningArguments {
     pub known: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
-    disturbances: DisturbanceArguments,
+    disturbances: DisturbanceLevels,
 }
 
 /// An example of a file of known joints, for the help of commands.
@@ -84,51 +84,8 @@ impl LearningArguments {
             input: self.input,
             skin: self.skin,
             frames: self.frames,
-            disturbances: self.disturbances.levels(),
+            disturbances: self.disturbances,
             ..LearningOptions::default()
         }
-    }
-}
-
-/// Options of disturbances.
-#[derive(clap::Args, Clone, Copy, Debug, Serialize, Deserialize)]
-#[command(next_help_heading = "Disturbances, between the exact log and the learner")]
-struct DisturbanceArguments {
-    /// Standard deviation of every joint angle in every touch, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = deviation)]
-    #[serde(rename = "joint_noise_deg")]
-    joint_noise: f64,
-    /// Standard deviation, per coordinate, of where the agent believes each receptor, millimetres
-    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
-    #[serde(rename = "receptor_noise_mm")]
-    receptor_noise: f64,
-    /// Share of touches with a wrong receptor at one end, 0 to below 1
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.0, value_parser = share)]
-    false_touches: f64,
-    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; only
-    /// `--input contact` feels it
-    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation)]
-    #[serde(rename = "point_noise_mm")]
-    point_noise: f64,
-}
-
-impl DisturbanceArguments {
-    fn levels(&self) -> DisturbanceLevels {
-        let DisturbanceArguments { joint_noise, receptor_noise, false_touches, point_noise } = *self;
-        DisturbanceLevels { joint_noise, receptor_noise, false_touches, point_noise }
-    }
-}
-
-fn deviation(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("give a finite number that is not negative".into()),
-    }
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.0..1.0).contains(&value) => Ok(value),
-        _ => Err("give a number from 0 to below 1: 0.05 for one touch in twenty".into()),
     }
 }

@@ -8,10 +8,11 @@ use serde_json::{Map, Value, json};
 
 use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
+use crate::export::reachable_vtk;
 use crate::named::in_words;
 use crate::peripersonal::{Level, OwnBody, ReachableMap};
-use crate::session::{hands, learned_body};
-use crate::view::space::{slices, vtk};
+use crate::session::{SpaceRecord, hands, learned_body, write_whole};
+use crate::view::space;
 use crate::view::table::Table;
 
 /// Tell where a creature's hands can get to, by the schema of a session.
@@ -137,17 +138,17 @@ pub fn run(args: &ReachArguments) -> Outcome {
 
 /// Keeps the slices in the session, and writes the files that are asked for.
 fn write(args: &ReachArguments, own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> Outcome {
-    let record = slices::record(own, maps, doubts);
+    let record = SpaceRecord::of(own, maps, doubts);
     record.write(&args.session)?;
     if let Some(path) = &args.vtk {
-        vtk::write(path, own, maps).map_err(|error| {
+        write_whole(path, &reachable_vtk(own, maps)).map_err(|error| {
             Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display()))
         })?;
     }
     if let Some(path) = &args.picture {
         let (name, hands) = (own.creature().name(), record.hands.join(" and "));
         let says = format!("{name}: where {hands} can get to, in the frame of {}", record.chest);
-        output::file(path, slices::chart(&record, &says).alone())?;
+        output::file(path, space::chart(&record, &says).alone())?;
     }
     Ok(())
 }

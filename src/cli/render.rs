@@ -7,10 +7,9 @@ use std::sync::Arc;
 
 use super::open::{ModelArguments, open_to_draw};
 use super::{Failure, Outcome, output, progress};
-use crate::creature::{Body, Creature, DofKind, JointSelection, Posture};
+use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::error::Error;
 use crate::mujoco::{Camera, Image, PICTURE_SIDES, Renderer};
-use crate::session::words::listed;
 use crate::session::{MadeFolders, SESSION_FILE, folder_of, model_hash};
 use crate::view::picture::{Direction, Drawing, Film, Shot, is_film, png};
 
@@ -218,71 +217,8 @@ fn camera(args: &RenderArguments, drawing: &Drawing, renderer: &Renderer) -> Res
     }
 }
 
-/// How far a coordinate may be beyond its range, radians or metres: degrees are rounded.
-const PLAY: f64 = 1e-6;
-
 /// The posture of --posture, else the rest posture.
 fn posture(args: &RenderArguments, creature: &Creature) -> Result<Posture, Failure> {
-    let mut posture = Posture::start(creature);
-    let words = args.posture.iter().flat_map(|text| text.split(',')).map(str::trim);
-    for word in words.filter(|word| !word.is_empty()) {
-        set(word, creature, &mut posture)
-            .map_err(|message| Failure(format!("--posture {word}: {message}")))?;
-    }
-    creature.couple(&mut posture);
-    Ok(posture)
-}
-
-/// Sets one degree of freedom by a word such as left_elbow_flexion=90.
-fn set(word: &str, creature: &Creature, posture: &mut Posture) -> Result<(), String> {
-    let numbers = |text: &str| -> Option<Vec<f64>> {
-        let numbers =
-            text.split(':').map(|number| number.trim().parse::<f64>().ok().filter(|x| x.is_finite()));
-        numbers.collect()
-    };
-    let (name, numbers) = word
-        .split_once('=')
-        .and_then(|(name, value)| Some((name.trim(), numbers(value)?)))
-        .ok_or("give a name, = and a number, as in left_elbow_flexion=90")?;
-    let element = creature.elements().find(|element| element.name == name).ok_or_else(|| {
-        // Of many names, those that share a word are the useful ones.
-        let words: Vec<&str> = name.split(['_', ' ', '-', '.']).filter(|word| word.len() > 2).collect();
-        let shared = |name: &str| words.iter().filter(|word| name.contains(**word)).count();
-        let most = creature.dofs().map(|dof| shared(&dof.name)).max().unwrap_or(0);
-        let alike = creature.dofs().map(|dof| dof.name.clone()).filter(|name| shared(name) == most);
-        let names = listed(&alike.collect::<Vec<_>>());
-        format!("{} has no degree of freedom named {name}; it has {names}", creature.name())
-    })?;
-    if let Some(coupling) = element.follows {
-        let leader = creature.dofs().nth(coupling.leader).map_or("", |dof| &dof.name);
-        return Err(format!("{name} follows {leader}: set that one"));
-    }
-    let (unit, per_unit) = match element.kind {
-        DofKind::Slide => (" mm", 1e3),
-        DofKind::Hinge | DofKind::Ball => ("°", 1f64.to_degrees()),
-    };
-    let coordinate = match (element.kind, numbers.as_slice()) {
-        (DofKind::Ball, &[w, x, y, z]) => {
-            let length = [w, x, y, z].iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > 0.02 {
-                return Err(format!("the quaternion's length is {length:.3}: make it 1"));
-            }
-            let quaternion = [w, x, y, z].map(|x| x / length);
-            element.of_mut(posture).copy_from_slice(&quaternion);
-            2.0 * quaternion[0].abs().min(1.0).acos()
-        }
-        (DofKind::Hinge | DofKind::Slide, &[number]) => {
-            posture[element.coordinate()] = number / per_unit;
-            number / per_unit
-        }
-        (DofKind::Ball, _) => return Err(format!("{name} is a ball: give its quaternion as w:x:y:z")),
-        _ => return Err(format!("{name} is no ball: give one number")),
-    };
-    let [low, high] = element.range;
-    if (low - PLAY..=high + PLAY).contains(&coordinate) {
-        return Ok(());
-    }
-    let [x, low, high] =
-        [coordinate, low, high].map(|x| format!("{}{unit}", (x * per_unit * 100.0).round() / 100.0));
-    Err(format!("{x} is beyond its range of {low} to {high}: give a number within"))
+    let words = args.posture.as_deref().unwrap_or_default();
+    Posture::from_words(creature, words).map_err(|message| Failure(format!("--posture {message}")))
 }

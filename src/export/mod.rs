@@ -2,12 +2,14 @@
 
 mod csv;
 mod mjcf;
+mod reachable;
 mod urdf;
 mod vtk;
 
 use std::path::{Path, PathBuf};
 
 pub use mjcf::to_mjcf;
+pub use reachable::{about, reachable_vtk};
 pub use urdf::{Urdf, to_urdf};
 
 use crate::agent::Agent;

@@ -1,21 +1,30 @@
 //! What is wrong with the agent's senses, in the units that a person thinks in.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::senses::Disturbances;
 
 /// How much is wrong with an agent's senses, in degrees and millimetres; nothing by default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[cfg_attr(
+    feature = "cli",
+    command(next_help_heading = "Disturbances, between the exact log and the learner")
+)]
 pub struct DisturbanceLevels {
-    /// Standard deviation of every joint angle in every touch, degrees.
+    /// Standard deviation of every joint angle in every touch, degrees
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = deviation))]
     #[serde(rename = "joint_noise_deg")]
     pub joint_noise: f64,
-    /// Standard deviation, per coordinate, of where the agent believes each receptor, millimetres.
+    /// Standard deviation, per coordinate, of where the agent believes each receptor, millimetres
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation))]
     #[serde(rename = "receptor_noise_mm")]
     pub receptor_noise: f64,
-    /// Share of touches with a wrong receptor at one end, 0 to below 1.
+    /// Share of touches with a wrong receptor at one end, 0 to below 1
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FRACTION", default_value_t = 0.0, value_parser = share))]
     pub false_touches: f64,
-    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres.
+    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; only `--input contact` feels it
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation))]
     #[serde(rename = "point_noise_mm")]
     pub point_noise: f64,
 }
@@ -47,4 +56,18 @@ impl std::fmt::Display for DisturbanceLevels {
             all.into_iter().filter(|(amount, _)| *amount > 0.0).map(|(_, words)| words).collect();
         f.write_str(if present.is_empty() { "none".to_string() } else { present.join(", ") }.as_str())
     }
+}
+
+/// A deviation from the command line.
+#[cfg(feature = "cli")]
+fn deviation(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
+    number.ok_or("give a finite number that is not negative".into())
+}
+
+/// A share from the command line.
+#[cfg(feature = "cli")]
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|value| (0.0..1.0).contains(value));
+    number.ok_or("give a number from 0 to below 1: 0.05 for one touch in twenty".into())
 }

@@ -39,7 +39,9 @@ mod session_file;
 mod share_folders;
 mod shares;
 mod space_record;
+mod space_slices;
 mod stamp;
+mod stroked;
 pub(crate) mod table;
 pub(crate) mod touch_columns;
 mod touch_line;
@@ -86,6 +88,7 @@ pub use session_file::{BabblingEffort, RecordingFiles, Session, SessionOptions};
 pub(crate) use share_folders::{SHARES_FOLDER, Shares};
 pub(crate) use shares::{BabbledShares, ShareRecord, Unready, made_shares};
 pub use space_record::{SpaceRecord, SpaceSlice};
+pub use stroked::{StrokedSession, record_strokes};
 pub use touch_reader::{TouchLog, read_touches};
 pub use touch_writer::TouchWriter;
 

@@ -6,16 +6,14 @@ use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
+use crate::cli::arguments::positive;
 use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
-use crate::error::Error;
-use crate::senses::{FiringRecorder, TouchEvent, TouchKind};
-use crate::session::{
-    SENSATIONS_FILE, Session, SessionOptions, model_hash, read_map, write_firings, write_whole,
-};
-use crate::simulation::partner::{Script, Strokes, stroke_for};
+use crate::senses::TouchKind;
+use crate::session::{StrokedSession, read_map, record_strokes};
+use crate::simulation::partner::{Script, Strokes};
 use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
 
 /// How long the creature is watched after all is done to it, seconds.
@@ -72,8 +70,7 @@ pub struct FeelArguments {
 
 pub fn run(args: &FeelArguments) -> Outcome {
     let body = open_body(&args.open.source(&args.model, JointSelection::All))?;
-    let script =
-        args.script.as_deref().map(Script::read).transpose().map_err(|error| Failure(error.to_string()))?;
+    let script = args.script.as_deref().map(Script::read).transpose()?;
     let probes = script.as_ref().map_or_else(|| vec!["probe".to_string()], Script::probes);
     let root = body.root_name().map(str::to_string);
     let options = StageOptions { joints: JointSelection::All, root, probes, ..StageOptions::default() };
@@ -102,63 +99,27 @@ pub fn run(args: &FeelArguments) -> Outcome {
 }
 
 fn minutes(text: &str) -> Result<f64, String> {
-    let minutes: f64 = text.parse().map_err(|_| "give a number of minutes".to_string())?;
-    if minutes > 0.0 && minutes <= 1e4 {
-        Ok(minutes)
-    } else {
-        Err("give minutes above 0, up to 10000".into())
-    }
+    positive(text).ok().filter(|minutes| *minutes <= 1e4).ok_or("give minutes above 0, up to 10000".into())
 }
 
 /// Strokes the creature all over, and writes a session of what it feels.
 fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
-    let (creature, skin) = (stage.agent().creature(), stage.skin());
-    let lock = session_folder(args.out.as_deref(), creature.name(), args.force)?;
-    // A log of firings cannot be gone on with: it is there when it is whole.
-    let folder = lock.part()?;
-    let options = SessionOptions {
-        joints: "all".to_string(),
+    let lock = session_folder(args.out.as_deref(), stage.agent().creature().name(), args.force)?;
+    let bar = progress::counted("stroking", (60.0 * minutes).ceil() as u64, "simulated seconds");
+    let stroked = StrokedSession {
+        model: &args.model,
         root: args.open.root.clone(),
-        ..SessionOptions::default()
-    };
-    let session = Session {
-        engine: stage.body().model.version().to_string(),
-        model: args.model.display().to_string(),
-        model_hash: model_hash(&args.model)?,
         command: crate::cli::output::command_line(),
         seed: args.seed,
-        options,
-        agent: stage.agent().clone(),
-        ..Session::made_here()
+        seconds: 60.0 * minutes,
     };
-    let mut recorder = FiringRecorder::default();
-    let (mut firings, mut sensed, mut sensations) = (Vec::new(), 0u64, String::new());
-    let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
-    let bar = progress::counted("stroking", (60.0 * minutes).ceil() as u64, "simulated seconds");
-    let room = stroke_for(stage, 60.0 * minutes, &mut rng, |stage, time, contacts, events| {
-        bar.set_position(time as u64);
-        firings.extend(recorder.step(time, contacts));
-        for event in events.iter().filter(|event| matches!(event, TouchEvent::Sensed { .. })) {
-            sensations += &format!("{}\n", event_json(stage, time, event));
-            sensed += 1;
-        }
-        Ok::<(), Failure>(())
-    })?;
+    // A log of firings cannot be gone on with: it is there when it is whole.
+    let [sensed, fired] =
+        record_strokes(lock.part()?, stage, stroked, |seconds| bar.set_position(seconds as u64))?;
     bar.finish_and_clear();
-    firings.extend(recorder.rest());
-    if !room {
-        return Err(Failure(format!("{}: there is no room to stroke this creature", args.model.display())));
-    }
-    session.write(folder)?;
-    write_firings(folder, creature.name(), skin, &firings)?;
-    let path = folder.join(SENSATIONS_FILE);
-    write_whole(&path, sensations.as_bytes()).map_err(Error::unwritable(&path))?;
     lock.commit()?;
-    let fired = firings.len();
-    say!(
-        "{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {}",
-        lock.place().display()
-    );
+    let place = lock.place().display();
+    say!("{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {place}");
     Ok(())
 }
 

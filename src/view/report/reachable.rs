@@ -2,7 +2,7 @@
 
 use super::ReportInput;
 use crate::view::figure;
-use crate::view::space::slices::chart;
+use crate::view::space::chart;
 use crate::view::text::{escape, short_number as number};
 
 /// The picture; a sentence that says how to get one where there is no map yet.

@@ -2,7 +2,7 @@
 
 use super::ReportInput;
 use crate::creature::{Creature, DofKind};
-use crate::evaluation::{AxisErrors, CramerRaoBound, Evaluation, Summary, axis_errors, touches_across};
+use crate::evaluation::{CramerRaoBound, Evaluation, Summary, axis_errors, touches_across};
 use crate::learning::{Account, LimbLine};
 use crate::senses::limb_pairs;
 use crate::view::table::Table;
@@ -79,61 +79,54 @@ pub(super) fn errors(input: &ReportInput) -> String {
 
 /// The error beside the least that there could be.
 fn bound(bound: &CramerRaoBound) -> String {
-    if bound.at_floor {
-        return format!(
-            "<p class=\"bound\">Of located limbs the error is {} mm as a root mean square: the touches are explained to \
-             the numerical floor.</p>\n",
-            number(bound.error_rms)
-        );
-    }
+    let beside = match bound.at_floor {
+        true => "the touches are explained to the numerical floor.".to_string(),
+        false => format!(
+            "{} times the Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average over many \
+             sessions like this one, if their noise is what the learner estimates. A single session may lie below it.",
+            short_number(bound.ratio),
+            number(bound.bound_rms)
+        ),
+    };
+    let error = number(bound.error_rms);
     format!(
-        "<p class=\"bound\">Of located limbs the error is {} mm as a root mean square: {} times the Cramér-Rao bound of \
-         {} mm, the least that any unbiased learner could leave on average over many sessions like this one, if their \
-         noise is what the learner estimates. A single session may lie below it.</p>\n",
-        number(bound.error_rms),
-        short_number(bound.ratio),
-        number(bound.bound_rms)
+        "<p class=\"bound\">Of located limbs the error is {error} mm as a root mean square: {beside}</p>\n"
     )
 }
 
-/// A sentence that names what the touches leave open.
+/// What the touches leave open, in sentences.
 pub(super) fn undetermined(input: &ReportInput) -> String {
     if input.converged == Some(false) {
         return "<p>All joints: no held-out touches confirm the schema, and what touches determine at a wrong schema bounds nothing.</p>\n".into();
     }
-    let limbs: Vec<String> = input.undetermined_limbs.iter().map(|limb| escape(limb)).collect();
-    let limbs = match limbs.as_slice() {
-        [] => String::new(),
-        limbs => {
-            format!("<p>{} could not be located: {}.</p>\n", plural(limbs.len(), "limb"), limbs.join(", "))
-        }
-    };
-    let directions: String =
-        input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
-    let all_located = input.undetermined.is_empty() && input.undetermined_limbs.is_empty();
-    let directions = match directions.as_str() {
-        "" => String::new(),
-        items if all_located => format!(
-            "<p>Unobservable, but they move no located skin relative to other located skin:</p>\n<ul>\n{items}</ul>\n"
-        ),
-        items => format!("<p>Unobservable directions:</p>\n<ul>\n{items}</ul>\n"),
-    };
-    format!("{}{limbs}{directions}", undetermined_joints(input))
-}
-
-fn undetermined_joints(input: &ReportInput) -> String {
+    let listed = |names: &[String]| escape(&names.join(", "));
     let joints = input.agent.creature().joints();
-    let names: Vec<String> =
-        input.undetermined.iter().filter_map(|&j| joints.get(j)).map(|j| escape(&j.name)).collect();
-    if names.is_empty() {
-        return "<p>No joint is undetermined.</p>\n".into();
+    let open = input.undetermined.iter().filter_map(|&j| joints.get(j));
+    let open: Vec<String> = open.map(|joint| joint.name.clone()).collect();
+    let mut html = match open.len() {
+        0 => "<p>No joint is undetermined.</p>\n".to_string(),
+        count => format!(
+            "<p>The touches do not determine {count} of {}: {}. Where these are is a guess.</p>\n",
+            plural(joints.len(), "joint"),
+            listed(&open)
+        ),
+    };
+    let limbs = input.undetermined_limbs;
+    if !limbs.is_empty() {
+        let count = plural(limbs.len(), "limb");
+        html += &format!("<p>{count} could not be located: {}.</p>\n", listed(limbs));
     }
-    format!(
-        "<p>The touches do not determine {} of {}: {}. Where these are is a guess.</p>\n",
-        names.len(),
-        plural(joints.len(), "joint"),
-        names.join(", ")
-    )
+    if !input.open_directions.is_empty() {
+        let items: String =
+            input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
+        let all_located = input.undetermined.is_empty() && limbs.is_empty();
+        let title = match all_located {
+            true => "Unobservable, but they move no located skin relative to other located skin:",
+            false => "Unobservable directions:",
+        };
+        html += &format!("<p>{title}</p>\n<ul>\n{items}</ul>\n");
+    }
+    html
 }
 
 /// How far off the skin of limbs may be, the limb that is known worst first, millimetres.
@@ -161,65 +154,67 @@ pub(super) fn limbs(input: &ReportInput) -> String {
     )
 }
 
-/// The table of joints.
+/// The table of joints: a row per degree of freedom, what is of the joint once for all of them.
 pub(super) fn joints(input: &ReportInput) -> String {
     let creature = input.agent.creature();
     let [involved, _] = touches_across(input.agent, input.touches);
     let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, input.undetermined, &[]));
+    let numbers = |cells: Vec<String>| -> String {
+        cells.iter().map(|cell| format!("<td class=\"number\">{cell}</td>")).collect()
+    };
+    let error = |dof: usize| match &errors {
+        // Dashes where there is none that means anything.
+        Some(errors) => {
+            let found = errors.iter().find(|error| error.dof == dof);
+            let of = [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)];
+            numbers(of.map(|error| number(error.unwrap_or(f64::NAN))).to_vec())
+        }
+        None => String::new(),
+    };
     let mut groups = String::new();
     for (j, joint) in creature.joints().iter().enumerate() {
-        let determined = !input.undetermined.contains(&j);
         let lines = joint.dofs.len().max(1);
         let cell =
             |class: &str, content: &str| format!("<td rowspan=\"{lines}\" class=\"{class}\">{content}</td>");
-        let position: String =
-            input.schema.positions[j].iter().map(|x| cell("number", &coordinate(1e3 * x, 1))).collect();
-        let position_std = input.std.map_or(String::new(), |std| {
-            let millimetres = std.positions[j].map(|m| number(1e3 * m.unwrap_or(f64::NAN)));
-            millimetres.iter().map(|std| cell("number", std)).collect()
-        });
+        let (class, determined) = if input.undetermined.contains(&j) { ("open", "no") } else { ("", "yes") };
+        let mut place: Vec<String> =
+            input.schema.positions[j].iter().map(|x| coordinate(1e3 * x, 1)).collect();
+        let std = input.std.map(|std| std.positions[j].map(|m| number(1e3 * m.unwrap_or(f64::NAN))));
+        place.extend(std.into_iter().flatten());
         let mut row = format!(
-            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{position}{position_std}",
+            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{}",
             escape(&joint.name),
             cell("", &escape(&creature.limbs()[joint.parent])),
             cell("number", &involved[j].to_string()),
-            cell(if determined { "" } else { "open" }, if determined { "yes" } else { "no" }),
+            cell(class, determined),
+            place.iter().map(|number| cell("number", number)).collect::<String>(),
         );
         groups.push_str("<tbody>\n");
         for (dof, k) in joint.dofs.iter().zip(joint.dof_indices()) {
-            let axis: String = match dof.kind {
+            let axis = match dof.kind {
                 DofKind::Ball => "<td colspan=\"3\" class=\"ball\">turns freely</td>".into(),
-                _ => input.schema.axes[k]
-                    .iter()
-                    .map(|x| format!("<td class=\"number\">{}</td>", coordinate(*x, 3)))
-                    .collect(),
+                _ => numbers(input.schema.axes[k].iter().map(|x| coordinate(*x, 3)).collect()),
             };
+            let std = input.std.map(|std| number(std.axes[k].map_or(f64::NAN, f64::to_degrees)));
             let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
             let name = if lines == 1 { String::new() } else { escape(short) };
-            let axis_std = input.std.map_or(String::new(), |std| {
-                let degrees = std.axes[k].map_or(f64::NAN, f64::to_degrees);
-                format!("<td class=\"number\">{}</td>", number(degrees))
-            });
-            let error = errors.as_ref().map_or(String::new(), |errors| error_cells(errors, k));
-            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{axis_std}{error}</tr>\n"));
+            let certainty = numbers(std.into_iter().collect());
+            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{certainty}{}</tr>\n", error(k)));
             row.clear();
         }
         groups.push_str("</tbody>\n");
     }
-    let columns = if errors.is_some() {
-        "<th class=\"number\">off by, °</th><th class=\"number\">off by, mm</th>"
-    } else {
-        ""
-    };
-    let (position_std, axis_std, std_note) = match input.std {
-        Some(_) => (
+    let columns = errors
+        .as_ref()
+        .map_or("", |_| "<th class=\"number\">off by, °</th><th class=\"number\">off by, mm</th>");
+    let [position_std, axis_std, std_note] = input.std.map_or([""; 3], |_| {
+        [
             "<th colspan=\"3\" class=\"number\">± x y z, mm</th>",
             "<th class=\"number\">±, °</th>",
-            " ± is one standard deviation by the learner's own account, of an axis that of each coordinate \
-             across it; a dash stands where nothing determines it.",
-        ),
-        None => ("", "", ""),
-    };
+            " ± is one standard deviation by the learner's own account, of an axis that of each coordinate across it; a dash \
+             stands where nothing determines it.",
+        ]
+    });
     format!(
         "<div class=\"wide\" tabindex=\"0\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
          <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th>DOF</th>\
@@ -228,13 +223,6 @@ pub(super) fn joints(input: &ReportInput) -> String {
          those between limbs with the joint on the way from one to the other. A position may slide along \
          its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).{std_note}</p>\n"
     )
-}
-
-/// The errors of one axis; dashes where it has none that mean anything.
-fn error_cells(errors: &[AxisErrors], dof: usize) -> String {
-    let found = errors.iter().find(|error| error.dof == dof);
-    let values = [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)];
-    values.map(|value| format!("<td class=\"number\">{}</td>", number(value.unwrap_or(f64::NAN)))).concat()
 }
 
 /// A coordinate with a true minus sign, and no sign before zero.

@@ -1,20 +1,9 @@
-//! Maps as a file of VTK, which ParaView opens: the legacy form of an image with a number per voxel and hand.
+//! Maps of where hands can get to as a file of VTK, which ParaView opens: the legacy form of an image with a number per voxel and hand.
 //!
 //! The form is a head of a few lines and the numbers as bytes, so it is written here and not by a library
 //! ("VTK File Formats", section "Simple Legacy Formats").
 
-use std::path::Path;
-
 use crate::peripersonal::{Lattice, OwnBody, ReachableMap};
-use crate::session::write_whole;
-
-/// Writes the maps: per hand 2 near, 1 far and 0 out of reach, in the box about all of them.
-///
-/// # Errors
-/// Where the file cannot be written.
-pub fn write(path: &Path, own: &OwnBody, maps: &[ReachableMap]) -> std::io::Result<()> {
-    write_whole(path, &bytes(own, maps))
-}
 
 /// The box about the boxes of all maps.
 pub fn about(maps: &[ReachableMap]) -> Lattice {
@@ -25,7 +14,8 @@ pub fn about(maps: &[ReachableMap]) -> Lattice {
     Lattice { voxel: lattices().next().map_or(0.0, |l| l.voxel), first, counts }
 }
 
-fn bytes(own: &OwnBody, maps: &[ReachableMap]) -> Vec<u8> {
+/// The maps: per hand 2 near, 1 far and 0 out of reach, in the box about all of them.
+pub fn reachable_vtk(own: &OwnBody, maps: &[ReachableMap]) -> Vec<u8> {
     let lattice = about(maps);
     let [nx, ny, nz] = lattice.counts;
     let origin = lattice.middle(lattice.first);
