@@ -121,5 +121,5 @@ pub mod skin;
 #[doc(hidden)]
 pub mod study;
 #[doc(hidden)]
-#[cfg(any(feature = "render", feature = "report"))]
+#[cfg(feature = "report")]
 pub mod view;

@@ -1,13 +1,4 @@
-//! Numbers from the command line, and which options were given.
-
-use clap::parser::ValueSource;
-use clap::{Arg, ArgMatches, Command};
-
-/// The options of a command that were given explicitly.
-pub fn given<'a>(command: &'a Command, matches: &ArgMatches) -> Vec<&'a Arg> {
-    let source = |argument: &&Arg| matches.value_source(argument.get_id().as_str());
-    command.get_arguments().filter(|argument| source(argument) == Some(ValueSource::CommandLine)).collect()
-}
+//! Numbers from the command line.
 
 /// A number of touches from the command line.
 pub fn touch_count(text: &str) -> Result<usize, String> {

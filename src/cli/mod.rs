@@ -8,9 +8,9 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::cli::output::line(format_args!($($text)*)) };
 }
 
-/// Tells a message on standard error; see [`message::line`].
+/// Tells a message on standard error; see [`output::message`].
 macro_rules! tell {
-    ($($text:tt)*) => { $crate::cli::message::line(format_args!($($text)*)) };
+    ($($text:tt)*) => { $crate::cli::output::message(format_args!($($text)*)) };
 }
 
 mod arguments;
@@ -25,10 +25,8 @@ mod learn;
 mod learned;
 mod learning_arguments;
 mod live;
-mod message;
 mod open;
 mod output;
-mod printable;
 mod progress;
 mod reach;
 mod render;
@@ -44,6 +42,7 @@ use std::fmt::Display;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ErrorKind};
+use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::session::is_model;
@@ -148,18 +147,16 @@ const RENAMED: [(&str, &str); 8] = [
 /// What may be given beside `--resume`, and itself.
 const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
 
-/// Ends the program if options are given beside `--resume`.
+/// Ends the program if options are given beside `babble --resume`.
 fn refuse_options_beside_resume(program: &mut clap::Command, matches: &clap::ArgMatches) {
-    let (mut command, mut matches) = (program, matches);
-    // A command may have commands of its own.
-    while let Some((name, inner)) = matches.subcommand() {
-        let Some(found) = command.find_subcommand_mut(name) else { return };
-        (command, matches) = (found, inner);
-    }
-    let given = arguments::given(command, matches);
-    let is = |argument: &clap::Arg, ids: &[&str]| ids.contains(&argument.get_id().as_str());
-    let other = given.iter().find(|argument| !is(argument, &BESIDE_RESUME)).map(ToString::to_string);
-    if let Some(other) = other.filter(|_| given.iter().any(|argument| is(argument, &["resume"]))) {
+    let Some(("babble", matches)) = matches.subcommand() else { return };
+    let Some(command) = program.find_subcommand_mut("babble") else { return };
+    let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    let mut given = command.get_arguments().filter(|argument| is_given(argument.get_id().as_str()));
+    let other = given.find(|argument| !BESIDE_RESUME.contains(&argument.get_id().as_str()));
+    let other = other.map(ToString::to_string);
+    drop(given);
+    if let Some(other) = other.filter(|_| is_given("resume")) {
         let words = format!("--resume takes all options from the session: leave out {other}");
         command.error(ErrorKind::ArgumentConflict, words).exit();
     }
@@ -171,7 +168,7 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
             let sentence = crate::error::shortened(sentence);
-            eprintln!("bodyschema: {}", printable::Printable(format_args!("{sentence}")));
+            eprintln!("bodyschema: {}", output::Printable(format_args!("{sentence}")));
             ExitCode::FAILURE
         }
     }
@@ -205,7 +202,7 @@ fn carry_out() -> Outcome {
     });
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if cli.quiet {
-        message::be_quiet();
+        output::be_quiet();
     }
     threads::make();
     refuse_options_beside_resume(&mut program, &matches);

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressState, ProgressStyle};
 
-use super::message::quiet;
+use super::output::quiet;
 use crate::deadline::Deadline;
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
@@ -82,31 +82,26 @@ impl Observer for Bars {
 
     fn phase(&self, phase: Phase) {
         let mut bar = self.bar.borrow_mut();
-        match (phase, &*bar) {
-            (Phase::LearningUndisturbed, Some(bar)) => {
-                bar.set_message("learning without the disturbances, for comparison");
-            }
-            (phase, found) => {
-                found.iter().for_each(ProgressBar::finish_and_clear);
-                *bar = match phase {
-                    Phase::Babbling { made, touches, grows, deadline } => {
-                        let bar = match grows || deadline.left().is_some() {
-                            true => until(deadline, touches as u64),
-                            false => counted("babbling", touches as u64, "touches"),
-                        };
-                        bar.set_position(made as u64);
-                        Some(bar)
-                    }
-                    Phase::Learning { touches, each: true } => {
-                        Some(counted("learning", touches as u64, "touches"))
-                    }
-                    Phase::Learning { touches, each: false } => {
-                        Some(spinner(&format!("learning from {touches} touches")))
-                    }
-                    Phase::LearningUndisturbed | Phase::Done => None,
-                };
-            }
+        if let (Phase::LearningUndisturbed, Some(bar)) = (phase, &*bar) {
+            bar.set_message("learning without the disturbances, for comparison");
+            return;
         }
+        bar.iter().for_each(ProgressBar::finish_and_clear);
+        *bar = match phase {
+            Phase::Babbling { made, touches, grows, deadline } => {
+                let bar = match grows || deadline.left().is_some() {
+                    true => until(deadline, touches as u64),
+                    false => counted("babbling", touches as u64, "touches"),
+                };
+                bar.set_position(made as u64);
+                Some(bar)
+            }
+            Phase::Learning { touches, each: true } => Some(counted("learning", touches as u64, "touches")),
+            Phase::Learning { touches, each: false } => {
+                Some(spinner(&format!("learning from {touches} touches")))
+            }
+            Phase::LearningUndisturbed | Phase::Done => None,
+        };
     }
 
     fn touched(&self, _: &RecordedTouch) {

@@ -52,7 +52,7 @@ impl Typed {
             |error: &dyn std::fmt::Display| Failure(format!("standard input cannot be read: {error}"));
         match self {
             Typed::Edited(editor) => {
-                let prompt = if super::message::quiet() { "" } else { PROMPT };
+                let prompt = if super::output::quiet() { "" } else { PROMPT };
                 let read = loop {
                     match editor.readline(prompt) {
                         // The editor gives such a line up as a whole.

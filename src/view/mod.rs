@@ -6,32 +6,23 @@
 //! model, posture, marks ─ picture (MuJoCo's renderer: stills and films)
 //! ```
 
-#[cfg(feature = "report")]
 mod body;
-#[cfg(feature = "report")]
 mod charts;
 #[cfg(feature = "live")]
 pub mod live;
 #[cfg(feature = "render")]
 pub mod picture;
-#[cfg(feature = "report")]
 pub mod report;
-#[cfg(feature = "report")]
 pub mod space;
-#[cfg(feature = "report")]
 pub(crate) mod table;
-#[cfg(feature = "report")]
 pub(crate) mod text;
-#[cfg(feature = "report")]
 pub mod tone;
 
 /// How pages look, the body and charts in them as well.
-#[cfg(feature = "report")]
 const STYLE: &str =
     concat!(include_str!("style.css"), include_str!("body/body.css"), include_str!("charts/charts.css"));
 
 /// The head of a page that stands alone, until what it shows.
-#[cfg(feature = "report")]
 fn page(title: &str, own_style: &str, content: &str, own_script: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
@@ -45,13 +36,11 @@ fn page(title: &str, own_style: &str, content: &str, own_script: &str) -> String
 }
 
 /// All that runs in a page that has a script of its own.
-#[cfg(feature = "report")]
 fn script(own: &str) -> String {
     format!("\n{}{own}", body::SCRIPT)
 }
 
 /// A chart of a page with its caption, which is HTML.
-#[cfg(feature = "report")]
 fn figure(id: &str, chart: &charts::Chart, caption: &str) -> String {
     format!(
         "<figure>\n<div class=\"wide\" tabindex=\"0\" id=\"{id}\">\n{}</div>\n<figcaption>{caption}</figcaption>\n</figure>\n",

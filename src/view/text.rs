@@ -98,15 +98,6 @@ pub(super) fn harmless(json: &str) -> String {
     json.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
 }
 
-/// The least and the greatest of positive numbers; none where there is none.
-pub(super) fn bounds(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
-    let positive = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
-    positive.fold(None, |bounds, value| {
-        let (least, greatest) = bounds.unwrap_or((value, value));
-        Some((value.min(least), value.max(greatest)))
-    })
-}
-
 /// At most `most` of a list, evenly taken.
 pub(super) fn thinned<T>(list: Vec<T>, most: usize) -> Vec<T> {
     let every = list.len().div_ceil(most.max(1)).max(1);

@@ -1,7 +1,7 @@
 //! An axis: what it counts, and where it is labelled.
 
 use super::{ChartGroup, ChartMark, width_of};
-use crate::view::text::{bounds, plain, tick_label, ticks};
+use crate::view::text::{plain, tick_label, ticks};
 
 /// Values below this are drawn as this on a logarithmic axis: rounding, not learning.
 const LEAST: f64 = 1e-12;
@@ -29,9 +29,13 @@ pub struct Ruler {
 impl Scale {
     /// A logarithmic scale that holds all finite `values`, with room at both ends, and about a decade at least.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>) -> Scale {
-        let values = values.into_iter().filter(|value| value.is_finite()).map(|value| value.max(LEAST));
+        let finite = values.into_iter().filter(|value| value.is_finite()).map(|value| value.max(LEAST));
+        let bounds = finite.fold(None, |bounds, value: f64| {
+            let (least, greatest): (f64, f64) = bounds.unwrap_or((value, value));
+            Some((value.min(least), value.max(greatest)))
+        });
         // Without values there is still an axis to draw.
-        let (least, greatest) = bounds(values).unwrap_or((1.0, 10.0));
+        let (least, greatest) = bounds.unwrap_or((1.0, 10.0));
         let decades = (greatest / least).log10();
         let room = (0.05 * decades).max(0.4 * (1.0 - decades)).max(0.04);
         Scale::Logarithmic(least * 10f64.powf(-room), greatest * 10f64.powf(room))
