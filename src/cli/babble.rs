@@ -1,6 +1,7 @@
 //! `bodyschema babble`: the main job. A session begins, goes on, is made share by share, or is put together of shares.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -9,7 +10,7 @@ use super::arguments::{positive, touch_count};
 use super::folders::{Force, session_folder, take_share, written_session};
 use super::learned::learn_and_print;
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
-use super::live::{Live, LiveOptions, Place};
+use super::live::{LiveOptions, Place, rest, serve};
 use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
@@ -22,6 +23,7 @@ use crate::session::{
 };
 use crate::share::Share;
 use crate::simulation::MotionName;
+use crate::view::live::BabblingView;
 use crate::view::report::REPORT_FILE;
 
 /// Babble, touch, learn the body schema, and measure it.
@@ -251,9 +253,15 @@ impl<'a> Job<'a> {
         made: usize,
         make: impl FnOnce(&dyn Observer) -> Result<BabbledSession, Error>,
     ) -> Outcome {
-        let live = page.map(|page| Live::new(page, &self.embodied, &self.setup, made)).transpose()?;
+        let touches = self.setup.babbling.touches;
+        let view = || BabblingView::new(self.embodied.agent(), self.embodied.truth(), touches, made);
+        let view = page.is_some().then(|| Arc::new(view()));
+        let server = match (page, &view) {
+            (Some(page), Some(view)) => Some(serve(page, view.clone())?),
+            _ => None,
+        };
         let bars = Bars::default();
-        let pages = live.iter().map(|live| live.view() as &dyn Observer);
+        let pages = view.iter().map(|view| &**view as &dyn Observer);
         let observers: Vec<&dyn Observer> = std::iter::once(&bars as &dyn Observer).chain(pages).collect();
         let babbled = make(&observers)?;
         let truth = Some(self.embodied.truth());
@@ -265,10 +273,12 @@ impl<'a> Job<'a> {
         if let Some(limit) = result.ended_by {
             tell!("the search for what explains them ended {limit}");
         }
-        live.iter().for_each(|live| live.done(lock.place(), &result));
+        if let Some(view) = view {
+            view.done(&result.record.verdict, &result.learned.schema, lock.place().join(REPORT_FILE));
+        }
         // Who goes on looking keeps nobody from the folder.
         drop(lock);
-        live.iter().for_each(Live::rest);
+        server.iter().for_each(rest);
         Ok(())
     }
 }

@@ -2,17 +2,15 @@
 
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::Path;
 use std::sync::Arc;
 
 use super::{Failure, Outcome};
-use crate::session::{Embodied, LearnedSession, SessionSetup};
-use crate::view::live::{BabblingView, LivePage, LookingView, Server};
-use crate::view::report::REPORT_FILE;
+use crate::view::live::{LivePage, LookingView, Server};
 
 /// Where a page is served unless told otherwise; where that port is taken, at a free one.
 const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8042);
 const HERE_TEXT: &str = "127.0.0.1:8042";
+
 /// Where a page is served: taken already.
 pub struct Place {
     listener: TcpListener,
@@ -48,42 +46,11 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     })
 }
 
-/// A page that is served, on which a session is watched.
-pub struct Live {
-    view: Arc<BabblingView>,
-    server: Server,
-}
-
-impl Live {
-    /// Serves a page about babbling, of which some touches are made already, and tells where.
-    pub fn new(
-        place: Place,
-        embodied: &Embodied,
-        setup: &SessionSetup,
-        made: usize,
-    ) -> Result<Live, Failure> {
-        let touches = setup.babbling.touches;
-        let view = Arc::new(BabblingView::new(embodied.agent(), embodied.truth(), touches, made));
-        let server = serve(place, view.clone())?;
-        Ok(Live { view, server })
-    }
-
-    /// What observes the session.
-    pub fn view(&self) -> &BabblingView {
-        &self.view
-    }
-
-    /// All is learned and written down.
-    pub fn done(&self, folder: &Path, learned: &LearnedSession) {
-        self.view.done(&learned.record.verdict, &learned.learned.schema, folder.join(REPORT_FILE));
-    }
-
-    /// All is done: who sits before a terminal can go on looking until they end it.
-    pub fn rest(&self) {
-        if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
-            tell!("done; http://{}/ stays until Enter or Ctrl-C", self.server.address());
-            let _ = std::io::stdin().lock().read_line(&mut String::new());
-        }
+/// All is done: who sits before a terminal can go on looking until they end it.
+pub fn rest(server: &Server) {
+    if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
+        tell!("done; http://{}/ stays until Enter or Ctrl-C", server.address());
+        let _ = std::io::stdin().lock().read_line(&mut String::new());
     }
 }
 

@@ -189,22 +189,13 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
     Ok((file, log.touches))
 }
 
-/// Says that encoders' offsets are unknown.
-fn open_encoders(robot: &mut Robot) {
-    let offsets: Vec<usize> = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.offset)).collect();
-    for offset in offsets {
-        robot.quantities[offset].knowledge[0] = Knowledge::Free;
-    }
-}
-
 impl UnknownArguments {
     /// Says what is unknown of a robot: encoders' offsets, where nothing is said here nor by its file.
     fn apply(&self, robot: &mut Robot, says_itself: bool) -> Outcome {
         if !says_itself && self.free.is_empty() && self.prior.is_empty() && self.known.is_none() {
-            open_encoders(robot);
-            tell!(
-                "Nothing is said to be unknown: encoders' offsets are taken to be; say what is by --free and --prior."
-            );
+            let offsets: Vec<_> = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.offset)).collect();
+            offsets.iter().for_each(|&offset| robot.quantities[offset].knowledge[0] = Knowledge::Free);
+            tell!("No --free or --prior given: estimating all encoder offsets.");
         }
         for pattern in &self.free {
             robot.set_knowledge(pattern, Knowledge::Free).map_err(|fault| format!("--free: {fault}"))?;
@@ -224,15 +215,12 @@ impl UnknownArguments {
 
 impl NoiseArguments {
     fn options(&self) -> Result<EstimatorOptions, Failure> {
-        let joint_noise = match self.joint_noise.as_str() {
-            "auto" => JointNoise::Estimated,
-            text => match text.parse::<f64>() {
-                Ok(0.0) => JointNoise::None,
-                Ok(degrees) if degrees.is_finite() && degrees > 0.0 => {
-                    JointNoise::Given(degrees.to_radians())
-                }
-                _ => return Err(format!("--joint-noise {text}: give degrees, or auto").into()),
-            },
+        let degrees = self.joint_noise.parse().ok().filter(|degrees: &f64| degrees.is_finite());
+        let joint_noise = match (self.joint_noise.as_str(), degrees) {
+            ("auto", _) => JointNoise::Estimated,
+            (_, Some(0.0)) => JointNoise::None,
+            (_, Some(degrees)) if degrees > 0.0 => JointNoise::Given(degrees.to_radians()),
+            (text, _) => return Err(format!("--joint-noise {text}: give degrees, or auto").into()),
         };
         let false_touches = if self.false_touches == "no" { FalseTouches::None } else { FalseTouches::Maybe };
         Ok(EstimatorOptions { joint_noise, false_touches })

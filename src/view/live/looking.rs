@@ -1,8 +1,6 @@
 //! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how well each limb is
 //! located.
 
-use std::fmt::Write;
-
 use nalgebra::Vector3;
 use serde_json::json;
 
@@ -166,50 +164,43 @@ impl LookingView {
 
     /// The choice of what is shown, of what stands beside it, of a touch and of a posture.
     fn controls(&self, state: &Looking) -> String {
-        let mut html = String::new();
-        let choice = |id: &str, says: &str, none: bool, chosen: Option<usize>| {
-            let mut options = String::new();
-            if none {
-                options.push_str("<option value=\"\">nothing</option>");
-            }
-            for (number, looked) in self.all.iter().enumerate() {
-                let selected = if chosen == Some(number) { " selected=\"\"" } else { "" };
-                // Writing to a string cannot fail.
-                let _ =
-                    write!(options, "<option value=\"{number}\"{selected}>{}</option>", escape(&looked.name));
-            }
+        let option = |value: &str, chosen: bool, name: &str| {
+            let selected = if chosen { " selected=\"\"" } else { "" };
+            format!("<option value=\"{value}\"{selected}>{}</option>", escape(name))
+        };
+        let all = |chosen: Option<usize>| -> String {
+            let all = self.all.iter().enumerate();
+            all.map(|(k, looked)| option(&k.to_string(), chosen == Some(k), &looked.name)).collect()
+        };
+        let choice = |id: &str, says: &str, options: String| {
             format!("<label>{says} <select id=\"{id}\" autocomplete=\"off\">{options}</select></label>\n")
         };
+        let mut html = String::new();
         if self.all.len() > 1 {
-            html.push_str("<div class=\"choices\">\n");
-            html.push_str(&choice("shown", "shown:", false, Some(state.shown)));
-            html.push_str(&choice("beside", "beside it:", true, state.beside));
-            html.push_str("</div>\n");
+            let beside = option("", false, "nothing") + &all(state.beside);
+            let choices =
+                choice("shown", "shown:", all(Some(state.shown))) + &choice("beside", "beside it:", beside);
+            html += &format!("<div class=\"choices\">\n{choices}</div>\n");
         }
         let shown = &self.all[state.shown];
         if !shown.touches.is_empty() {
-            let _ = writeln!(
-                html,
+            html += &format!(
                 "<label class=\"slider\">touch: <output id=\"touch-number\">{0}</output>\n<input type=\"range\" id=\"touch\" \
-                 min=\"0\" max=\"{1}\" value=\"{0}\"/></label>",
+                 min=\"0\" max=\"{1}\" value=\"{0}\"/></label>\n",
                 state.touch,
                 shown.touches.len()
             );
         }
-        html.push_str("<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n");
+        html += "<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n";
         for at in shown.agent.creature().elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
-            let [low, high] = at.range;
-            let _ = writeln!(
-                html,
-                "<label>{} <input type=\"range\" data-coordinate=\"{}\" min=\"{low}\" max=\"{high}\" step=\"any\" \
-                 value=\"{}\"/></label>",
-                escape(&at.name),
-                at.coordinate(),
-                state.posture[at.coordinate()]
+            let ([low, high], coordinate, name) = (at.range, at.coordinate(), escape(&at.name));
+            let value = state.posture[coordinate];
+            html += &format!(
+                "<label>{name} <input type=\"range\" data-coordinate=\"{coordinate}\" min=\"{low}\" max=\"{high}\" step=\"any\" \
+                 value=\"{value}\"/></label>\n"
             );
         }
-        html.push_str("</div></details>\n");
-        html
+        html + "</div></details>\n"
     }
 }
 

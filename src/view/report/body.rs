@@ -108,23 +108,20 @@ fn legend(most: usize, shade: &dyn Fn(usize) -> f64) -> String {
 
 /// The checkpoints that there is room for, the first and the last at any rate.
 fn steps(input: &ReportInput) -> Vec<Step> {
-    let touches = input.touches.len();
-    let before: Vec<&Checkpoint> =
-        input.checkpoints.iter().filter(|checkpoint| checkpoint.touches < touches).collect();
-    let limbs = input.agent.creature().limbs().len();
-    let most = (MOST_LIMBS_OF_STEPS / limbs.max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
-    let every = before.len().div_ceil(most - 1).max(1);
-    let name = |touches: usize| if touches == 0 { "initial guess".to_string() } else { touches.to_string() };
-    let step = |touches: usize, millimetres: Option<f64>, schema| {
-        let pose = Pose::at_rest(input.agent.creature(), schema);
-        Step { name: name(touches), touches, millimetres, poses: "learned", pose }
+    let (creature, touches) = (input.agent.creature(), input.touches.len());
+    let step = |touches: usize, millimetres: Option<f64>, schema| Step {
+        name: if touches == 0 { "initial guess".to_string() } else { touches.to_string() },
+        touches,
+        millimetres,
+        poses: "learned",
+        pose: Pose::at_rest(creature, schema),
     };
-    let earlier = before.iter().step_by(every);
-    let earlier =
-        earlier.map(|checkpoint| step(checkpoint.touches, checkpoint.error_rms, &checkpoint.schema));
-    let last = input.checkpoints.iter().rfind(|checkpoint| checkpoint.touches == touches);
-    let last_mm = last.and_then(|checkpoint| checkpoint.error_rms);
-    let last = Step { name: touches.to_string(), ..step(touches, last_mm, input.schema) };
+    let before: Vec<&Checkpoint> = input.checkpoints.iter().filter(|at| at.touches < touches).collect();
+    let most = (MOST_LIMBS_OF_STEPS / creature.limbs().len().max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
+    let every = before.len().div_ceil(most - 1).max(1);
+    let earlier = before.iter().step_by(every).map(|at| step(at.touches, at.error_rms, &at.schema));
+    let last = input.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
+    let last = Step { name: touches.to_string(), ..step(touches, last, input.schema) };
     earlier.chain([last]).collect()
 }
 

@@ -8,7 +8,7 @@ use crate::evaluation::{ContactResiduals, Evaluation, evaluate_claims};
 use crate::ground_truth::GroundTruth;
 use crate::senses::RecordedTouch;
 use crate::session::{
-    Host, LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_learning_table,
+    LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_learning_table,
     read_schema_with_std, write_whole,
 };
 use crate::view::text::shell_words;
@@ -93,35 +93,24 @@ fn commands(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String,
 
 /// How the session came about, and how it was learned from.
 fn facts(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, String)> {
-    let mut facts = Vec::new();
-    let mut fact = |name: &str, value: String| facts.push((name.to_string(), value));
-    fact("program", session.program.clone());
-    match &session.recording {
-        Some(recording) => {
-            fact("creature", recording.creature.clone());
-            fact("log", recording.log.clone());
-        }
-        None => {
-            fact("model", session.model.clone());
-            fact("engine", format!("MuJoCo {}", session.engine));
-        }
-    }
+    let effort = session.effort.as_ref();
     let host = learned.and_then(|learned| learned.host.as_ref()).or(session.host.as_ref());
-    if let Some(Host { cpu, cores, os }) = host {
-        fact("processor", cpu.clone());
-        fact("cores", cores.to_string());
-        fact("operating system", os.clone());
-    }
-    if let Some(effort) = &session.effort {
-        fact("motions", effort.of_motions.motions.to_string());
-        fact("babbling", format!("{:.2} s", effort.babbling_s));
-        if let Some(limit) = effort.ended_by {
-            fact("babbling ended", limit.to_string());
-        }
-        if let Some(seconds) = effort.simulated_s() {
-            fact("simulated", format!("{seconds:.0} s"));
-        }
-    }
-    facts.extend(learned.into_iter().flat_map(|learned| learned.facts.iter().cloned()));
-    facts
+    let recording = session.recording.as_ref();
+    let simulated = recording.is_none();
+    let facts = [
+        ("program", Some(session.program.clone())),
+        ("creature", recording.map(|recording| recording.creature.clone())),
+        ("log", recording.map(|recording| recording.log.clone())),
+        ("model", simulated.then(|| session.model.clone())),
+        ("engine", simulated.then(|| format!("MuJoCo {}", session.engine))),
+        ("processor", host.map(|host| host.cpu.clone())),
+        ("cores", host.map(|host| host.cores.to_string())),
+        ("operating system", host.map(|host| host.os.clone())),
+        ("motions", effort.map(|effort| effort.of_motions.motions.to_string())),
+        ("babbling", effort.map(|effort| format!("{:.2} s", effort.babbling_s))),
+        ("babbling ended", effort.and_then(|effort| Some(effort.ended_by?.to_string()))),
+        ("simulated", effort.and_then(|effort| Some(format!("{:.0} s", effort.simulated_s()?)))),
+    ];
+    let facts = facts.into_iter().filter_map(|(name, value)| Some((name.to_string(), value?)));
+    facts.chain(learned.into_iter().flat_map(|learned| learned.facts.iter().cloned())).collect()
 }
