@@ -30,12 +30,12 @@ pub fn calibration_table(robot: &Robot, touches: &[&Touch], further: &[(&str, Ve
 
 /// The columns of what encoders read.
 pub(crate) fn joint_titles(robot: &Robot) -> Vec<String> {
-    let title = |dof: &RobotDof| match dof.kind {
-        DofKind::Hinge => format!("{}_deg", dof.name),
-        DofKind::Slide => dof.name.clone(),
-        DofKind::Ball => ["w", "x", "y", "z"].map(|part| format!("{}_{part}", dof.name)).join(","),
+    let titles = |dof: &RobotDof| match dof.kind {
+        DofKind::Hinge => vec![format!("{}_deg", dof.name)],
+        DofKind::Slide => vec![dof.name.clone()],
+        DofKind::Ball => ["w", "x", "y", "z"].map(|part| format!("{}_{part}", dof.name)).to_vec(),
     };
-    robot.leaders().map(title).collect()
+    robot.leaders().flat_map(titles).collect()
 }
 
 /// What encoders read in these columns.

@@ -76,7 +76,6 @@ pub fn numbers(found: &Calibration) -> Table {
 /// What is left of each touch, and what was read there.
 pub fn residuals(found: &Calibration) -> Table {
     let titles = ["line", "a", "b", "before_mm", "after_mm", "honest"].map(String::from);
-    let joints = joint_titles(found.robot).join(",");
     let rows = found.fit.seen.iter().zip(found.before()).map(|((touch, ends, seen), (_, _, was))| {
         let touch = &found.touches[*touch];
         let name = |side: usize| name_of(found.robot, &touch.ends[side][ends[side]].feature);
@@ -85,7 +84,7 @@ pub fn residuals(found: &Calibration) -> Table {
         let own = [touch.line.to_string(), name(0), name(1), before, after, honest];
         own.into_iter().chain(joint_cells(found.robot, &touch.posture))
     });
-    Table::new(titles.into_iter().chain(joints.split(',').map(String::from)), rows)
+    Table::new(titles.into_iter().chain(joint_titles(found.robot)), rows)
 }
 
 /// The correlations of the parameters that are determined, all with all.
