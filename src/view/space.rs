@@ -1,7 +1,7 @@
 //! Maps of where hands can get to: three slices through the chest as a chart.
 
 use crate::session::{SpaceRecord, SpaceSlice};
-use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Ruler, Scale};
+use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::text::plain;
 
 /// Width of all slices together, pixels.
@@ -30,11 +30,11 @@ pub fn chart(space: &SpaceRecord, says: &str) -> Chart {
         let turned = a == 1 && b == 0;
         let across = if turned { Scale::Linear(high[a], low[a]) } else { Scale::Linear(low[a], high[a]) };
         let at = plain((1e2 * slice.at).round() / 1e2);
-        let ruler = |axis: usize, scale| Ruler { title: format!("{}, m", NAMES[axis]), scale };
+        let title = |axis: usize| format!("{}, m", NAMES[axis]);
         Panel {
             title: format!("{}, {} = {at} m", slice.name, NAMES[3 - a - b]),
-            x: ruler(a, across),
-            y: ruler(b, Scale::Linear(low[b], high[b])),
+            x: (title(a), across),
+            y: (title(b), Scale::Linear(low[b], high[b])),
             // One legend is enough for all.
             groups: groups(slice, space.voxel, space.hands.len() > 1, n == 0),
             plot: [span(a), span(b)].map(|metres| WIDTH * metres / widths),

@@ -5,13 +5,13 @@
 
 mod boxes;
 mod mark;
-mod ruler;
+mod scale;
 
 use std::fmt::Write;
 
 pub use boxes::{box_marks, quartiles, rows};
 pub use mark::{ChartGroup, ChartMark, Ink};
-pub use ruler::{Ruler, Scale};
+pub use scale::Scale;
 
 use super::text::escape;
 
@@ -52,10 +52,10 @@ fn width_of(text: &str) -> f64 {
 pub struct Panel {
     /// What stands above it; empty for nothing.
     pub title: String,
-    /// The axis to the right.
-    pub x: Ruler,
+    /// The axis to the right, with what it shows and its unit; empty for nothing.
+    pub x: (String, Scale),
     /// The axis upwards; names stand from the top down.
-    pub y: Ruler,
+    pub y: (String, Scale),
     /// The marks, one group over the other.
     pub groups: Vec<ChartGroup>,
     /// Width and height between its axes, pixels.
@@ -144,23 +144,23 @@ impl Chart {
 impl Panel {
     /// A panel without a title, given the titles and scales of its axes.
     pub fn new(x: (&str, Scale), y: (&str, Scale), groups: Vec<ChartGroup>, plot: [f64; 2]) -> Panel {
-        let [x, y] = [x, y].map(|(title, scale)| Ruler { title: title.into(), scale });
+        let [x, y] = [x, y].map(|(title, scale)| (title.to_string(), scale));
         Panel { title: String::new(), x, y, groups, plot }
     }
 
     /// The room about the plot, for what is written at the axes, pixels: left, right, above and below.
     fn margins(&self) -> [f64; 4] {
-        let titled = |ruler: &Ruler| if ruler.title.is_empty() { 0.0 } else { LINE };
+        let titled = |(title, _): &(String, Scale)| if title.is_empty() { 0.0 } else { LINE };
         // How far the title of an axis reaches out beyond it on either side.
-        let over = |ruler: &Ruler, side: usize| 0.5 * (width_of(&ruler.title) - self.plot[side]);
+        let over = |title: &str, side: usize| 0.5 * (width_of(title) - self.plot[side]);
         let top = if self.title.is_empty() { GAP } else { 1.5 * LETTERS + GAP };
-        let (named, longest) = (self.x.is_named(), self.x.widest());
+        let (named, longest) = (self.x.1.is_named(), self.x.1.widest());
         // Names stand aslant; the first of them reaches out to the left.
         let aslant = 0.75 * longest;
         let below = titled(&self.x) + if named { 10.0 + aslant } else { LINE + 2.0 };
-        let left = 2.0 * GAP + (self.y.widest() + titled(&self.y)).max(if named { aslant } else { 0.0 });
+        let left = 2.0 * GAP + (self.y.1.widest() + titled(&self.y)).max(if named { aslant } else { 0.0 });
         let right = if named { 16.0 } else { (0.5 * longest).max(16.0) };
-        let [across, up] = [over(&self.x, 0), over(&self.y, 1)];
+        let [across, up] = [over(&self.x.0, 0), over(&self.y.0, 1)];
         [left.max(across), right.max(across), top.max(up), below.max(up)]
     }
 
@@ -169,16 +169,16 @@ impl Panel {
         let [width, height] = self.plot;
         let [left, top] = corner.map(fine);
         let foot = fine(corner[1] + height);
-        let across = |x: f64| fine(corner[0] + width * self.x.share(x));
+        let across = |x: f64| fine(corner[0] + width * self.x.1.share(x));
         let up = |y: f64| {
-            let share = self.y.share(y);
-            fine(corner[1] + height * if self.y.is_named() { share } else { 1.0 - share })
+            let share = self.y.1.share(y);
+            fine(corner[1] + height * if self.y.1.is_named() { share } else { 1.0 - share })
         };
         let wide = fine(width);
         let mut grid = |d: String| svg.push_str(&format!("<path class=\"grid\" d=\"{d}\"/>\n"));
         grid(format!("M{left} {top}V{foot}h{wide}"));
-        self.x.ticks().into_iter().for_each(|tick| grid(format!("M{} {top}V{foot}", across(tick))));
-        self.y.ticks().into_iter().for_each(|tick| grid(format!("M{left} {}h{wide}", up(tick))));
+        self.x.1.ticks().into_iter().for_each(|tick| grid(format!("M{} {top}V{foot}", across(tick))));
+        self.y.1.ticks().into_iter().for_each(|tick| grid(format!("M{left} {}h{wide}", up(tick))));
         // A text of a class at a place, turned by some degrees.
         let mut text = |class: &str, [x, y]: [i32; 2], turned: i32, words: &str| {
             let _ = match words {
@@ -190,21 +190,21 @@ impl Panel {
                 ),
             };
         };
-        for tick in self.x.ticks() {
-            let (x, label) = (across(tick), self.x.label(tick));
-            if self.x.is_named() {
+        for tick in self.x.1.ticks() {
+            let (x, label) = (across(tick), self.x.1.label(tick));
+            if self.x.1.is_named() {
                 text("aslant", [x + fine(4.0), foot + fine(10.0)], -45, &label);
             } else {
                 text("middle", [x, foot + fine(GAP + LETTERS - 3.0)], 0, &label);
             }
         }
-        for tick in self.y.ticks() {
-            text("end", [left - fine(GAP), up(tick) + 42], 0, &self.y.label(tick));
+        for tick in self.y.1.ticks() {
+            text("end", [left - fine(GAP), up(tick) + 42], 0, &self.y.1.label(tick));
         }
         let below = fine(corner[1] + height + self.margins()[3] - 6.0);
-        text("middle", [left + fine(width / 2.0), below], 0, &self.x.title);
-        let beside = left - fine(2.0 * GAP + self.y.widest());
-        text("middle", [beside, top + fine(height / 2.0)], -90, &self.y.title);
+        text("middle", [left + fine(width / 2.0), below], 0, &self.x.0);
+        let beside = left - fine(2.0 * GAP + self.y.1.widest());
+        text("middle", [beside, top + fine(height / 2.0)], -90, &self.y.0);
         text("", [left, top - fine(GAP)], 0, &self.title);
         self.groups.iter().for_each(|group| group.draw(&|[x, y]| [across(x), up(y)], svg));
     }

@@ -17,15 +17,6 @@ pub enum Scale {
     Names(Vec<String>),
 }
 
-/// An axis.
-#[derive(Clone, Debug)]
-pub struct Ruler {
-    /// What it shows, with its unit; empty for nothing.
-    pub title: String,
-    /// How it counts.
-    pub scale: Scale,
-}
-
 impl Scale {
     /// A logarithmic scale that holds all finite `values`, with room at both ends, and about a decade at least.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>) -> Scale {
@@ -53,17 +44,15 @@ impl Scale {
         let span = if greatest > from { greatest - from } else { 1.0 };
         Scale::Linear(from, from + 1.04 * span)
     }
-}
 
-impl Ruler {
     /// Whether it counts names.
     pub(super) fn is_named(&self) -> bool {
-        matches!(self.scale, Scale::Names(_))
+        matches!(self, Scale::Names(_))
     }
 
     /// Where a value is along the axis: 0 at its beginning, 1 at its end.
     pub(super) fn share(&self, value: f64) -> f64 {
-        match &self.scale {
+        match self {
             Scale::Linear(from, to) => (value - from) / (to - from),
             Scale::Logarithmic(least, greatest) => {
                 (value.max(LEAST) / least).log10() / (greatest / least).log10()
@@ -73,7 +62,7 @@ impl Ruler {
     }
 
     pub(super) fn label(&self, value: f64) -> String {
-        match &self.scale {
+        match self {
             Scale::Linear(..) => plain(value),
             Scale::Logarithmic(..) => tick_label(value),
             Scale::Names(names) => names.get(value.round() as usize).cloned().unwrap_or_default(),
@@ -86,7 +75,7 @@ impl Ruler {
     }
 
     pub(super) fn ticks(&self) -> Vec<f64> {
-        match &self.scale {
+        match self {
             Scale::Linear(from, to) => even_ticks(from.min(*to), from.max(*to)),
             Scale::Logarithmic(least, greatest) => ticks(&(*least..*greatest)),
             Scale::Names(names) => (0..names.len()).map(|k| k as f64).collect(),
@@ -113,11 +102,10 @@ mod tests {
 
     #[test]
     fn linear_axes_are_labelled_at_round_numbers_and_may_count_from_right_to_left() {
-        let ruler = |scale| Ruler { title: String::new(), scale };
-        let labels = |ruler: &Ruler| ruler.ticks().iter().map(|tick| ruler.label(*tick)).collect::<Vec<_>>();
-        let upwards = ruler(Scale::Linear(0.0, 1040.0));
+        let labels = |scale: &Scale| scale.ticks().iter().map(|tick| scale.label(*tick)).collect::<Vec<_>>();
+        let upwards = Scale::Linear(0.0, 1040.0);
         assert_eq!(labels(&upwards), ["0", "200", "400", "600", "800", "1000"]);
-        let turned = ruler(Scale::Linear(0.6, -0.6));
+        let turned = Scale::Linear(0.6, -0.6);
         assert_eq!(labels(&turned), ["−0.6", "−0.4", "−0.2", "0", "0.2", "0.4", "0.6"]);
         assert!(turned.share(0.6) < turned.share(-0.6));
     }
