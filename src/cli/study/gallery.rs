@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::cli::ends_with::ENDS_WITH;
@@ -69,30 +68,6 @@ pub struct GalleryArguments {
     json: bool,
 }
 
-/// A body with its sessions.
-#[derive(Serialize)]
-struct Body {
-    name: String,
-    model: PathBuf,
-    /// What is known of it before it moves; the sentence of a refusal if it is refused.
-    looked: Result<Value, String>,
-    /// The limbs that can touch others.
-    #[serde(skip)]
-    touching: Vec<Value>,
-    picture: Option<String>,
-    trials: Vec<Trial>,
-}
-
-/// A session.
-#[derive(Serialize)]
-struct Trial {
-    input: &'static str,
-    seed: u64,
-    seconds: f64,
-    /// What came of it; the sentence of a refusal if nothing did.
-    came: Result<Value, String>,
-}
-
 pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
@@ -100,20 +75,21 @@ pub fn run(args: &GalleryArguments) -> Outcome {
     let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
     let (out, sessions) = (lock.folder(), lock.scratch()?);
     let bar = progress::steps(args.models.len() as u64);
-    let mut bodies = Vec::new();
-    let table = |bodies: &Vec<Body>| json!({ "seed": args.seed, "trials": args.trials, "bodies": bodies });
+    let mut table = json!({ "seed": args.seed, "trials": args.trials });
+    let mut bodies: Vec<Value> = Vec::new();
     for model in &args.models {
         bar.set_message(model.display().to_string());
-        bodies.push(Body::new(model, args.seed..=last, out, &sessions)?);
+        bodies.push(babbled(model, args.seed..=last, out, &sessions)?);
         // Written after every body: nothing is lost if it is interrupted.
-        output::file(&out.join(TABLE_FILE), format!("{:#}\n", table(&bodies)))?;
+        table["bodies"] = json!(bodies);
+        output::file(&out.join(TABLE_FILE), format!("{table:#}\n"))?;
         output::file(&out.join(PAGE_FILE), page(&bodies))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
     lock.commit()?;
     if args.json {
-        return output::json(&table(&bodies));
+        return output::json(&table);
     }
     say!("{}", page(&bodies).trim_end());
     say!("\n{PAGE_FILE}, {TABLE_FILE} and the pictures are in {}", args.out.display());
@@ -121,8 +97,8 @@ pub fn run(args: &GalleryArguments) -> Outcome {
 }
 
 /// The page: a row per body, and the command that made it.
-fn page(bodies: &[Body]) -> String {
-    let table = Table::new(COLUMNS, bodies.iter().map(Body::row)).markdown();
+fn page(bodies: &[Value]) -> String {
+    let table = Table::new(COLUMNS, bodies.iter().map(row)).markdown();
     format!("{HEADING}{table}\n```text\n{}\n```\n", output::command_line().join(" "))
 }
 
@@ -136,17 +112,15 @@ fn itself(words: &[&str]) -> Result<Command, Failure> {
     Ok(command)
 }
 
-/// Some fields of what a command about a model printed as JSON with all of it, or the sentence in which it refused.
-fn printed(words: &[&str], model: &Path, fields: &[&str]) -> Result<Result<(Value, Value), String>, Failure> {
+/// What a command about a model printed as JSON, or the sentence in which it refused.
+fn printed(words: &[&str], model: &Path) -> Result<Result<Value, String>, Failure> {
     let output = itself(words)?.arg("--json").arg("--").arg(model).output().map_err(|error| {
         Failure(format!(
             "the program cannot be run again ({error}): see that there are processes and memory left"
         ))
     })?;
     if output.status.success() {
-        let all: Value = serde_json::from_slice(&output.stdout)?;
-        let kept = fields.iter().map(|field| (field.to_string(), all[field].clone())).collect::<Map<_, _>>();
-        return Ok(Ok((kept.into(), all)));
+        return Ok(Ok(serde_json::from_slice(&output.stdout)?));
     }
     let said = String::from_utf8_lossy(&output.stderr);
     let last = said.trim().lines().last().unwrap_or_default();
@@ -154,98 +128,107 @@ fn printed(words: &[&str], model: &Path, fields: &[&str]) -> Result<Result<(Valu
     Ok(Err(if sentence.is_empty() { format!("it ended with {}", output.status) } else { sentence }))
 }
 
-impl Body {
-    /// Inspects a body, draws it, and lets it babble.
-    fn new(
-        model: &Path,
-        seeds: impl Iterator<Item = u64> + Clone,
-        out: &Path,
-        sessions: &Path,
-    ) -> Result<Body, Failure> {
-        let name = model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let looked = printed(&["inspect"], model, &OF_LOOK)?;
-        let pairs = looked.as_ref().ok().and_then(|(_, all)| all["limb_pairs"].as_array());
-        let touching = pairs.into_iter().flatten().filter(|pair| pair["relation"] == "touch");
-        let touching = touching.flat_map(|pair| pair["limbs"].as_array()).flatten().cloned().collect();
-        let looked = looked.map(|(kept, _)| kept);
-        let mut body =
-            Body { name, model: model.into(), looked, touching, picture: None, trials: Vec::new() };
-        if body.looked.is_err() {
-            return Ok(body);
+/// Some fields of what a command printed; the sentence in which it refused as `refused`.
+fn kept(printed: Result<Value, String>, fields: &[&str]) -> Value {
+    match printed {
+        Ok(all) => {
+            fields.iter().map(|field| (field.to_string(), all[field].clone())).collect::<Map<_, _>>().into()
         }
-        let picture = format!("{}.png", body.name);
-        let mut draw = itself(&["render", "--size", PICTURE, "--out"])?;
-        let drawn = draw.arg(out.join(&picture)).arg("--").arg(model).output();
-        body.picture = drawn.is_ok_and(|drawn| drawn.status.success()).then_some(picture);
-        for (input, seed) in INPUTS.iter().flat_map(|input| seeds.clone().map(move |seed| (input, seed))) {
-            let session = sessions.join(format!("{}-{input}-{seed}", body.name)).display().to_string();
-            let began = Instant::now();
-            let seed_word = seed.to_string();
-            let words = ["babble", "--quiet", "--input", input, "--seed", &seed_word, "--out", &session];
-            let came = printed(&words, model, &OF_SESSION)?.map(|(kept, _)| kept);
-            let _ = std::fs::remove_dir_all(&session);
-            body.trials.push(Trial { input, seed, seconds: began.elapsed().as_secs_f64(), came });
-        }
-        Ok(body)
+        Err(sentence) => json!({ "refused": sentence }),
     }
+}
 
-    /// Its row of the page.
-    fn row(&self) -> [String; 8] {
-        let name = self.name.clone();
-        let looked = match &self.looked {
-            Ok(looked) => looked,
-            Err(sentence) => {
-                let mut row = [const { String::new() }; 8];
-                (row[1], row[6]) = (name, sentence.clone());
-                return row;
-            }
+/// Inspects a body, draws it, and lets it babble: what is known of it before it moves, the limbs that can touch others, and
+/// what came of each session.
+fn babbled(
+    model: &Path,
+    seeds: impl Iterator<Item = u64> + Clone,
+    out: &Path,
+    sessions: &Path,
+) -> Result<Value, Failure> {
+    let name = model.file_stem().unwrap_or_default().to_string_lossy();
+    let looked = printed(&["inspect"], model)?;
+    let pairs = looked.as_ref().ok().and_then(|all| all["limb_pairs"].as_array());
+    let touching = pairs.into_iter().flatten().filter(|pair| pair["relation"] == "touch");
+    let touching: Vec<Value> =
+        touching.flat_map(|pair| pair["limbs"].as_array()).flatten().cloned().collect();
+    let refused = looked.is_err();
+    let mut body =
+        json!({ "name": name, "model": model, "touching": touching, "looked": kept(looked, &OF_LOOK) });
+    if refused {
+        return Ok(body);
+    }
+    let picture = format!("{name}.png");
+    let mut draw = itself(&["render", "--size", PICTURE, "--out"])?;
+    let drawn = draw.arg(out.join(&picture)).arg("--").arg(model).output();
+    body["picture"] = json!(drawn.is_ok_and(|drawn| drawn.status.success()).then_some(picture));
+    let mut trials = Vec::new();
+    for (input, seed) in INPUTS.iter().flat_map(|input| seeds.clone().map(move |seed| (input, seed))) {
+        let session = sessions.join(format!("{name}-{input}-{seed}")).display().to_string();
+        let (began, seed_word) = (Instant::now(), seed.to_string());
+        let words = ["babble", "--quiet", "--input", input, "--seed", &seed_word, "--out", &session];
+        let came = kept(printed(&words, model)?, &OF_SESSION);
+        let _ = std::fs::remove_dir_all(&session);
+        let seconds = began.elapsed().as_secs_f64();
+        trials.push(json!({ "input": input, "seed": seed, "seconds": seconds, "came": came }));
+    }
+    body["trials"] = json!(trials);
+    Ok(body)
+}
+
+/// A body's row of the page.
+fn row(body: &Value) -> [String; 8] {
+    let (name, looked) = (body["name"].as_str().unwrap_or_default().to_string(), &body["looked"]);
+    if let Some(sentence) = looked["refused"].as_str() {
+        let mut row = [const { String::new() }; 8];
+        (row[1], row[6]) = (name, sentence.to_string());
+        return row;
+    }
+    let picture = body["picture"].as_str().map_or(String::new(), |file| format!("![{name}]({file})"));
+    let trials = || body["trials"].as_array().into_iter().flatten();
+    let [receptors, points] =
+        INPUTS.map(|input| trials().filter(|trial| trial["input"] == input).collect::<Vec<_>>());
+    let touching = body["touching"].as_array().map_or(&[][..], Vec::as_slice);
+    [
+        picture,
+        name,
+        format!("{}, {}", looked["joints"], looked["dof"]),
+        looked["receptors"].to_string(),
+        spread(receptors.iter().filter_map(|trial| trial["came"]["touches"].as_f64())),
+        spread(receptors.iter().filter_map(|trial| trial["seconds"].as_f64())),
+        verdict(&receptors, touching),
+        verdict(&points, touching),
+    ]
+}
+
+/// What came of some sessions, in words; `touching` are the limbs that can touch others.
+fn verdict(trials: &[&Value], touching: &[Value]) -> String {
+    let all = || trials.iter().map(|trial| &trial["came"]);
+    let mut words: Vec<String> =
+        all().filter_map(|came| came["refused"].as_str()).take(1).map(reason).collect();
+    let came: Vec<&Value> = all().filter(|came| came["refused"].is_null()).collect();
+    let (learned, not): (Vec<&Value>, Vec<&Value>) = came.iter().partition(|came| came["converged"] == true);
+    if !learned.is_empty() {
+        let worst = learned.iter().filter_map(|came| came["determined_mm"]["max"].as_f64());
+        let worst = error_number(worst.fold(f64::NAN, f64::max));
+        let named = |came: &&Value| {
+            let limbs = came["undetermined_limbs"].as_array().into_iter().flatten();
+            limbs.filter(|limb| touching.contains(limb)).count()
         };
-        let picture = self.picture.as_ref().map_or(String::new(), |file| format!("![{name}]({file})"));
-        let [receptors, points] =
-            INPUTS.map(|input| self.trials.iter().filter(|trial| trial.input == input).collect::<Vec<_>>());
-        let touches = receptors.iter().filter_map(|trial| trial.came.as_ref().ok()?["touches"].as_f64());
-        [
-            picture,
-            name,
-            format!("{}, {}", looked["joints"], looked["dof"]),
-            looked["receptors"].to_string(),
-            spread(touches),
-            spread(receptors.iter().map(|trial| trial.seconds)),
-            self.verdict(&receptors),
-            self.verdict(&points),
-        ]
+        let of = if not.is_empty() { String::new() } else { format!(" {} of {}", learned.len(), came.len()) };
+        let except = match learned.iter().map(named).max().unwrap_or(0) {
+            0 => String::new(),
+            many => format!(", but for {}", plural(many, "limb")),
+        };
+        let changed = |came: &&Value| came["changes"].as_array().is_some_and(|all| !all.is_empty());
+        let changes = if learned.iter().any(changed) { ", CHANGED" } else { "" };
+        let wrong = if learned.iter().any(|came| is_wrong(came)) { " WRONG" } else { "" };
+        words.push(format!("learned{of}{except}; worst {worst} mm{wrong}{changes}"));
     }
-
-    /// What came of some sessions, in words.
-    fn verdict(&self, trials: &[&Trial]) -> String {
-        let came: Vec<&Value> = trials.iter().filter_map(|trial| trial.came.as_ref().ok()).collect();
-        let refusals = trials.iter().filter_map(|trial| trial.came.as_ref().err());
-        let mut words: Vec<String> = refusals.take(1).map(|sentence| reason(sentence)).collect();
-        let (learned, not): (Vec<&Value>, Vec<&Value>) =
-            came.iter().partition(|came| came["converged"] == true);
-        if !learned.is_empty() {
-            let worst = learned.iter().filter_map(|came| came["determined_mm"]["max"].as_f64());
-            let worst = worst.fold(f64::NAN, f64::max);
-            let named = |came: &&Value| {
-                let limbs = came["undetermined_limbs"].as_array().into_iter().flatten();
-                limbs.filter(|limb| self.touching.contains(limb)).count()
-            };
-            let of =
-                if not.is_empty() { String::new() } else { format!(" {} of {}", learned.len(), came.len()) };
-            let except = match learned.iter().map(named).max().unwrap_or(0) {
-                0 => String::new(),
-                many => format!(", but for {}", plural(many, "limb")),
-            };
-            let changed = |came: &&Value| came["changes"].as_array().is_some_and(|all| !all.is_empty());
-            let changes = if learned.iter().any(changed) { ", CHANGED" } else { "" };
-            let wrong = if learned.iter().any(|came| is_wrong(came)) { " WRONG" } else { "" };
-            words.push(format!("learned{of}{except}; worst {} mm{wrong}{changes}", error_number(worst)));
-        }
-        if let Some(why) = not.first().and_then(|came| came["reason"].as_str()) {
-            words.push(format!("not learned: {}", reason(why)));
-        }
-        words.join("; ")
+    if let Some(why) = not.first().and_then(|came| came["reason"].as_str()) {
+        words.push(format!("not learned: {}", reason(why)));
     }
+    words.join("; ")
 }
 
 /// A sentence without the file that it begins with.
@@ -283,22 +266,15 @@ mod tests {
 
     #[test]
     fn a_claim_that_is_off_is_said_to_be_wrong_and_what_touches_nothing_is_not_named() {
-        let body = Body {
-            name: "c".into(),
-            model: "c.xml".into(),
-            looked: Ok(Value::Null),
-            touching: vec!["arm".into(), "leg".into()],
-            picture: None,
-            trials: Vec::new(),
-        };
-        let trial = |came: Result<Value, String>| Trial { input: "receptor", seed: 1, seconds: 1.0, came };
+        let touching = ["arm", "leg"].map(Value::from);
         let came = |max: f64, limbs: &[&str]| {
-            trial(Ok(json!({"converged": true, "undetermined_limbs": limbs, "determined_mm": {"max": max}})))
+            let came = json!({"converged": true, "undetermined_limbs": limbs, "determined_mm": {"max": max}});
+            json!({ "came": came })
         };
         let [right, wrong] = [came(0.02, &["leg", "eye"]), came(12.5, &[])];
-        assert_eq!(body.verdict(&[&right]), "learned, but for 1 limb; worst 0.020 mm");
-        assert!(body.verdict(&[&right, &wrong]).ends_with("worst 12.50 mm WRONG"));
-        let refused = trial(Err("a.xml: no touch | at all".into()));
-        assert_eq!(body.verdict(&[&refused]), "no touch | at all");
+        assert_eq!(verdict(&[&right], &touching), "learned, but for 1 limb; worst 0.020 mm");
+        assert!(verdict(&[&right, &wrong], &touching).ends_with("worst 12.50 mm WRONG"));
+        let refused = json!({ "came": { "refused": "a.xml: no touch | at all" } });
+        assert_eq!(verdict(&[&refused], &touching), "no touch | at all");
     }
 }
