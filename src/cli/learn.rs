@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::folders::{Force, session_folder, written_session};
-use super::learned::{learn_and_print, warn_truncated};
+use super::learned::{learn_and_print, read_log};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
 use super::progress::Bars;
@@ -11,7 +11,7 @@ use super::{Failure, Outcome, output};
 use crate::learning::{Input, Learner, LimbFrames};
 use crate::senses::RecordedTouch;
 use crate::session::{
-    BabbledSession, FolderLock, LearningOptions, ReadLock, Session, TOUCHES_FILE, read_touches,
+    BabbledSession, FolderLock, LearningOptions, ReadLock, Session,
 };
 
 /// Learn again from the touches of a session, or from a recording of a real body.
@@ -135,10 +135,8 @@ impl LearnArguments {
         let own = self.out.is_none().then(|| written_session(folder)).transpose()?;
         let reading = ReadLock::take(folder)?;
         let mut session = Session::read(folder)?;
-        let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
+        let mut touches = read_log(folder, &session.agent)?;
         drop(reading);
-        warn_truncated(&log, folder);
-        let mut touches = log.touches;
         let learning = self.learning.options_for(&session)?;
         let made =
             own.is_none().then(|| BabbledSession { session: session.clone(), touches: touches.clone(), grown: None });

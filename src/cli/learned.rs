@@ -5,14 +5,15 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::{Failure, output};
+use crate::agent::Agent;
 use crate::evaluation::{CramerRaoBound, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::senses::limb_pairs;
+use crate::senses::{RecordedTouch, limb_pairs};
 use crate::session::words::listed;
 use crate::session::{
     BabbledSession, DisturbanceLevels, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer,
-    TouchLog, learn_session,
+    TOUCHES_FILE, TouchLog, learn_session, read_touches,
 };
 use crate::simulation::MotionName;
 use crate::view::report::{REPORT_FILE, error_rows, summaries, write_report};
@@ -253,19 +254,19 @@ pub fn print_bound(bound: &CramerRaoBound) {
     say!("\n  root mean square of located limbs: {} mm; {beside}", output::number(*error_rms));
 }
 
-/// Says on standard error when a log ends in the middle of a line.
-pub fn warn_truncated(log: &TouchLog, folder: &Path) {
-    if let Some(line) = log.truncated {
+/// The touches of a session's folder; what is missing at the end of their log is told.
+pub fn read_log(folder: &Path, agent: &Agent) -> Result<Vec<RecordedTouch>, Failure> {
+    let TouchLog { touches, truncated, zeros, .. } = read_touches(&folder.join(TOUCHES_FILE), agent)?;
+    let place = folder.display();
+    if let Some(line) = truncated {
         tell!(
-            "the log in {} ends in the middle of line {line}: that touch is left out, all before it are used",
-            folder.display()
+            "the log in {place} ends in the middle of line {line}: that touch is left out, all before it are used"
         );
     }
-    if log.zeros > 0 {
+    if zeros > 0 {
         tell!(
-            "the log in {} ends in {} zero bytes, as a power failure leaves them: they are left out",
-            folder.display(),
-            log.zeros
+            "the log in {place} ends in {zeros} zero bytes, as a power failure leaves them: they are left out"
         );
     }
+    Ok(touches)
 }

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::folders::written_session;
-use super::learned::{print_bound, print_knowledge, warn_truncated};
+use super::learned::{print_bound, print_knowledge, read_log};
 use super::open::known_truth;
 use super::{Outcome, output, progress};
 use crate::creature::Joint;
 use crate::evaluation::{Evaluation, Summary, touch_misses, touches_across};
 use crate::learning::LimbLine;
 use crate::senses::RecordedTouch;
-use crate::session::{LearningRecord, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches};
+use crate::session::{LearningRecord, SCHEMA_FILE, Session, read_schema};
 use crate::view::report::{REPORT_FILE, error_rows, limb_table, summaries, write_report};
 use crate::view::text;
 
@@ -42,13 +42,12 @@ pub fn run(args: &ReportArguments) -> Outcome {
     let folder = &args.session;
     let _lock = written_session(folder)?;
     let session = Session::read(folder)?;
-    let log = read_touches(&folder.join(TOUCHES_FILE), &session.agent)?;
-    warn_truncated(&log, folder);
+    let log = read_log(folder, &session.agent)?;
     let schema = read_schema(&folder.join(SCHEMA_FILE), session.agent.creature())?;
     let truth = known_truth(&session, args.model.as_deref())?;
     let spinner = progress::spinner("measuring");
-    let (record, evaluation) = write_report(folder, &session, &log.touches, truth.as_ref())?;
-    let touches = &log.touches[..record.touches.min(log.touches.len())];
+    let (record, evaluation) = write_report(folder, &session, &log, truth.as_ref())?;
+    let touches = &log[..record.touches.min(log.len())];
     let residual = touch_misses(&session.agent, &schema, touches);
     spinner.finish_and_clear();
     let found = Found { session: &session, touches, record: &record, evaluation, residual };

@@ -5,14 +5,12 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::learned::warn_truncated;
+use super::learned::read_log;
 use super::open::{MAX, ModelArguments, embodied, known_truth};
 use super::{Failure, Outcome, live};
 use crate::creature::JointSelection;
 use crate::learning::Certainty;
-use crate::session::{
-    LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, TOUCHES_FILE, read_schema, read_touches,
-};
+use crate::session::{LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, read_schema};
 use crate::view::live::{LookedAt, LookingView};
 use crate::view::tone::Tone;
 
@@ -102,8 +100,7 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let session = Session::read(what)?;
     let creature = session.agent.creature();
     let schema = read_schema(&what.join(SCHEMA_FILE), creature)?;
-    let log = read_touches(&what.join(TOUCHES_FILE), &session.agent)?;
-    warn_truncated(&log, what);
+    let touches = read_log(what, &session.agent)?;
     let record = LearningRecord::read(what, creature)?;
     let truth = known_truth(&session, args.model.as_deref())?;
     let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
@@ -115,7 +112,7 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
         appearance: truth.as_ref().map(|truth| truth.appearance.clone()),
         truth: truth.map(|truth| truth.schema),
         certainty,
-        touches: log.touches,
+        touches,
         verdict,
         tone,
         agent: session.agent,

@@ -1,7 +1,5 @@
 //! A session of what a creature feels while it is stroked all over.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use rand::SeedableRng;
@@ -9,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::Error;
 use crate::senses::{FiringRecorder, TouchEvent};
-use crate::session::{FiringWriter, Host, PROGRAM, SENSATIONS_FILE, Session, SessionOptions, model_hash};
+use crate::session::{SENSATIONS_FILE, Session, SessionOptions, model_hash, write_firings, write_whole};
 use crate::simulation::partner::stroke_for;
 use crate::simulation::{Stage, event_json};
 
@@ -39,46 +37,36 @@ pub fn record_strokes(
     progress: impl Fn(f64),
 ) -> Result<[u64; 2], Error> {
     let StrokedSession { model, root, command, seed, seconds } = asked;
-    Session {
-        program: PROGRAM.to_string(),
+    let (creature, skin) = (stage.agent().creature(), stage.skin());
+    let session = Session {
         engine: stage.body().model.version().to_string(),
         model: model.display().to_string(),
         model_hash: model_hash(model)?,
-        recording: None,
         command,
-        host: Some(Host::here()),
         seed,
         options: SessionOptions { joints: "all".to_string(), root, ..SessionOptions::default() },
-        effort: None,
         agent: stage.agent().clone(),
-    }
-    .write(folder)?;
-    let mut firings = FiringWriter::create(folder, stage.agent().creature().name(), stage.skin())?;
-    let path = folder.join(SENSATIONS_FILE);
-    let unwritable = |error| Error::unwritable(&path)(error);
-    let mut sensations = BufWriter::new(File::create(&path).map_err(unwritable)?);
-    let (mut recorder, mut fired, mut sensed) = (FiringRecorder::default(), 0, 0);
+        ..Session::made_here()
+    };
+    let mut recorder = FiringRecorder::default();
+    let (mut firings, mut sensed, mut sensations) = (Vec::new(), 0, String::new());
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let room = stroke_for(stage, seconds, &mut rng, |stage, time, contacts, events| {
         progress(time);
-        for firing in recorder.step(time, contacts) {
-            firings.write(&firing)?;
-            fired += 1;
-        }
+        firings.extend(recorder.step(time, contacts));
         for event in events.iter().filter(|event| matches!(event, TouchEvent::Sensed { .. })) {
-            writeln!(sensations, "{}", event_json(stage, time, event)).map_err(unwritable)?;
+            sensations += &format!("{}\n", event_json(stage, time, event));
             sensed += 1;
         }
         Ok::<(), Error>(())
     })?;
-    for firing in recorder.rest() {
-        firings.write(&firing)?;
-        fired += 1;
+    if !room {
+        return Err(Error::unfit(model, "there is no room to stroke this creature"));
     }
-    firings.finish()?;
-    sensations.flush().map_err(unwritable)?;
-    match room {
-        true => Ok([sensed, fired]),
-        false => Err(Error::unfit(model, "there is no room to stroke this creature")),
-    }
+    firings.extend(recorder.rest());
+    session.write(folder)?;
+    write_firings(folder, creature.name(), skin, &firings)?;
+    let path = folder.join(SENSATIONS_FILE);
+    write_whole(&path, sensations.as_bytes()).map_err(Error::unwritable(&path))?;
+    Ok([sensed, firings.len() as u64])
 }

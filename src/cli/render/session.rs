@@ -4,17 +4,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::super::Failure;
-use super::super::learned::warn_truncated;
+use super::super::learned::read_log;
 use super::super::open::session_body;
 use super::{RenderArguments, posture};
 use crate::creature::{Body, Creature, JointSelection};
 use crate::export::to_mjcf;
 use crate::mujoco::Model;
 use crate::schema::BodySchema;
-use crate::senses::RecordedTouch;
 use crate::session::{
     Checkpoint, LearningRecord, ModelSource, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema,
-    read_touches, same_tree,
+    same_tree,
 };
 use crate::view::picture::{Drawing, SessionDrawing};
 
@@ -55,13 +54,13 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     let shots = match (film, args.learning, args.touch) {
         (true, true, _) => drawn.learning(&checkpoints(args, creature)?),
         (true, false, _) => {
-            let touches = touches(args, &session)?;
+            let touches = read_log(&args.what, agent)?;
             let [first, last] = args.touches.unwrap_or([TOUCHES[0], TOUCHES[1].min(touches.len().max(1))]);
             let chosen = touches.get(first - 1..last).ok_or_else(|| no_touch(args, last, touches.len()))?;
             drawn.touches(first, chosen)?
         }
         (false, _, Some(number)) => {
-            let touches = touches(args, &session)?;
+            let touches = read_log(&args.what, agent)?;
             let touch = number.checked_sub(1).and_then(|index| touches.get(index));
             vec![drawn.touch(number, touch.ok_or_else(|| no_touch(args, number, touches.len()))?)?]
         }
@@ -99,10 +98,4 @@ fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body
         "{}: its learned body cannot be drawn by itself: name the creature's model with --model",
         folder.display()
     )))
-}
-
-fn touches(args: &RenderArguments, session: &Session) -> Result<Vec<RecordedTouch>, Failure> {
-    let log = read_touches(&args.what.join(TOUCHES_FILE), &session.agent)?;
-    warn_truncated(&log, &args.what);
-    Ok(log.touches)
 }
