@@ -18,8 +18,8 @@ use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::session::{
-    BabbledSession, BabblingSession, Embodied, FolderLock, Observer, Provenance,
-    ResumedSession, SESSION_FILE, Session, SessionRequest, SessionSetup,
+    BabbledSession, BabblingSession, Embodied, FolderLock, Observer, Provenance, ResumedSession,
+    SESSION_FILE, Session, SessionRequest, SessionSetup,
 };
 use crate::share::Share;
 use crate::simulation::MotionName;

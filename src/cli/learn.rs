@@ -10,9 +10,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::learning::{Input, Learner, LimbFrames};
 use crate::senses::RecordedTouch;
-use crate::session::{
-    BabbledSession, FolderLock, LearningOptions, ReadLock, Session,
-};
+use crate::session::{BabbledSession, FolderLock, LearningOptions, ReadLock, Session};
 
 /// Learn again from the touches of a session, or from a recording of a real body.
 ///
@@ -138,8 +136,11 @@ impl LearnArguments {
         let mut touches = read_log(folder, &session.agent)?;
         drop(reading);
         let learning = self.learning.options_for(&session)?;
-        let made =
-            own.is_none().then(|| BabbledSession { session: session.clone(), touches: touches.clone(), grown: None });
+        let made = own.is_none().then(|| BabbledSession {
+            session: session.clone(),
+            touches: touches.clone(),
+            grown: None,
+        });
         let lock = own.map_or_else(|| self.new_folder(&session), Ok)?;
         touches.truncate(self.most());
         session.seed = self.seed.unwrap_or(session.seed);
