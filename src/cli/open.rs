@@ -115,7 +115,7 @@ pub fn rehearse(path: &Path) -> Outcome {
     let Ok(output) = command.stdin(Stdio::null()).output() else { return Ok(()) };
     if let Some(reason) = reason(output.status) {
         if let Some(refused) = unreadable_mesh(path) {
-            return Err(Failure(crate::mujoco::Error::from(refused).to_string()));
+            return Err(Failure(refused.to_string()));
         }
         return Err(Failure(format!(
             "{}: {reason}; look for huge numbers, sizes and meshes in it, or remove parts of it",

@@ -10,16 +10,16 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector3};
 
 use super::mjcf::tile_box;
-use super::{ExportedFile, add, limb_pose};
+use super::{ExportedFile, limb_pose};
 use crate::agent::Agent;
 use crate::creature::{Creature, Dof, DofKind};
-use crate::geometry::{Frame, UrdfGeometry};
+use crate::geometry::{Frame, Shape, UrdfGeometry};
 use crate::model_files::{Element, element, exact, write};
 use crate::schema::BodySchema;
-use crate::skin::{Receptor, Skin, Surface};
+use crate::skin::{Skin, Surface};
 
 /// Mass and inertia of every link, kilograms and kg m²: stand-ins, for simulators refuse links without.
 const MASS: f64 = 0.1;
@@ -31,8 +31,8 @@ const INERTIA_BETWEEN: f64 = 1e-6;
 /// asks for limits, and nothing is known of them.
 const EFFORT: &str = "1000";
 const VELOCITY: &str = "10";
-/// Times that the octahedron's faces are divided into four to make the sphere of the mesh.
-const DIVISIONS: usize = 4;
+/// Stripes of the sphere of the mesh from pole to pole, and parts of each.
+const STRIPES: usize = 32;
 
 /// A robot description and the mesh that it refers to.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,42 +53,29 @@ pub struct Urdf {
 /// only by its receptors becomes a thin box for each. `schema` must fit the creature.
 pub fn to_urdf(agent: &Agent, schema: &BodySchema, mesh_name: &str) -> Urdf {
     let creature = agent.creature();
-    let mut robot = element("robot", &[("name", creature.name().into())]);
     let note = " As learned from self-touch: masses, efforts and velocities are stand-ins. ";
     // MuJoCo's own settings, which other readers pass over: keep the root link, and paths as they are.
-    let mut settings = Element { comments: vec![note.into()], ..Element::new("mujoco") };
-    add(
-        &mut settings,
-        element("compiler", &[("fusestatic", "false".into()), ("discardvisual", "true".into())]),
-    );
-    add(&mut robot, settings);
+    let kept = element("compiler", &[("fusestatic", "false".into()), ("discardvisual", "true".into())]);
+    let settings = Element { comments: vec![note.into()], ..Element::holding("mujoco", vec![kept]) };
+    let mut robot = element("robot", &[("name", creature.name().into())]);
+    robot.children.push(settings);
     let mut links: HashSet<String> = creature.limbs().iter().cloned().collect();
     for (limb, name) in creature.limbs().iter().enumerate() {
         if let Some(joint) = creature.joint_of(limb) {
             add_joint(&mut robot, creature, schema, joint, &mut links);
         }
-        let mut link = element("link", &[("name", name.clone())]);
         // A root with an inertia is more than some readers take.
-        if limb > 0 {
-            add(&mut link, inertial(MASS, INERTIA));
-        }
+        let mut link = named("link", name, (limb > 0).then(|| inertial(MASS, INERTIA)).into_iter().collect());
         let pose = limb_pose(creature, schema, limb);
-        for piece in pieces(agent.skin(), limb, mesh_name) {
-            let (at, rotation) = (pose.point(&piece.origin), pose.rotation * piece.rotation);
-            for role in ["visual", "collision"] {
-                let mut shown = element(role, &[]);
-                add(&mut shown, origin(&at, &rotation));
-                let mut geometry = element("geometry", &[]);
-                add(&mut geometry, piece.geometry.clone());
-                add(&mut shown, geometry);
-                add(&mut link, shown);
-            }
+        for (at, geometry) in pieces(agent.skin(), limb, mesh_name) {
+            let geometry = Element::holding("geometry", vec![geometry]);
+            let described = vec![origin(&(pose * at)), geometry];
+            link.children
+                .extend(["visual", "collision"].map(|role| Element::holding(role, described.clone())));
         }
-        add(&mut robot, link);
+        robot.children.push(link);
     }
-    let scaled = |surface: &Surface| {
-        surface.shape.urdf().is_some_and(|parts| parts.iter().any(|part| part.element == "mesh"))
-    };
+    let scaled = |surface: &Surface| matches!(surface.shape, Shape::Ellipsoid { .. });
     let xml = write(&robot);
     Urdf { xml, mesh: agent.skin().surfaces.iter().any(scaled).then(sphere_stl) }
 }
@@ -129,14 +116,16 @@ fn add_joint(
         let last = i + 1 == hinges.len();
         let child = if last { limb.clone() } else { free_name(format!("{limb}_{}", dof.name), links) };
         if !last {
-            let mut link = element("link", &[("name", child.clone())]);
-            add(&mut link, inertial(MASS_BETWEEN, INERTIA_BETWEEN));
-            add(robot, link);
+            robot.children.push(named("link", &child, vec![inertial(MASS_BETWEEN, INERTIA_BETWEEN)]));
         }
         // A link's frame is at its joint, whatever frame of its own the limb has.
-        let pose = if i == 0 { limb_pose(creature, schema, described.parent) } else { Frame::identity() };
-        let at = if i == 0 { schema.positions[joint] } else { Vector3::zeros() };
-        let at = Frame { rotation: pose.rotation, origin: pose.point(&at) };
+        let at = match i {
+            0 => {
+                let pose = limb_pose(creature, schema, described.parent);
+                Frame { origin: pose.point(&schema.positions[joint]), ..pose }
+            }
+            _ => Frame::identity(),
+        };
         let mut element = joint_element(dof, axis, &at, &parent, &child);
         if let Some(coupling) = dof.follows
             && let Some(leader) = creature.dofs().nth(coupling.leader)
@@ -144,9 +133,9 @@ fn add_joint(
             // URDF has followers in proportion alone.
             let [offset, multiplier, ..] = coupling.polynomial.map(|number| exact(&[number]));
             let mimic = [("joint", leader.name.clone()), ("multiplier", multiplier), ("offset", offset)];
-            add(&mut element, self::element("mimic", &mimic));
+            element.children.push(self::element("mimic", &mimic));
         }
-        add(robot, element);
+        robot.children.push(element);
         parent = child;
     }
 }
@@ -157,19 +146,22 @@ fn joint_element(dof: &Dof, axis: &Vector3<f64>, at: &Frame, parent: &str, child
         _ if dof.range == [-PI, PI] => "continuous",
         _ => "revolute",
     };
-    let mut joint = element("joint", &[("name", dof.name.clone()), ("type", kind.into())]);
-    add(&mut joint, element("parent", &[("link", parent.into())]));
-    add(&mut joint, element("child", &[("link", child.into())]));
-    add(&mut joint, origin(&at.origin, &at.rotation));
     let axis = if axis.norm() > 1e-12 { *axis } else { Vector3::z() };
-    add(&mut joint, element("axis", &[("xyz", exact(&axis))]));
-    let [low, high] = dof.range;
     let mut limit = element("limit", &[("effort", EFFORT.into()), ("velocity", VELOCITY.into())]);
     if kind != "continuous" {
+        let [low, high] = dof.range;
         limit.set("lower", exact(&[low]));
         limit.set("upper", exact(&[high]));
     }
-    add(&mut joint, limit);
+    let parts = vec![
+        element("parent", &[("link", parent.into())]),
+        element("child", &[("link", child.into())]),
+        origin(at),
+        element("axis", &[("xyz", exact(&axis))]),
+        limit,
+    ];
+    let mut joint = named("joint", &dof.name, parts);
+    joint.set("type", kind);
     joint
 }
 
@@ -181,93 +173,72 @@ fn free_name(mut name: String, links: &mut HashSet<String>) -> String {
     name
 }
 
+/// An element with a name and others in it.
+fn named(tag: &str, name: &str, children: Vec<Element>) -> Element {
+    Element { children, ..element(tag, &[("name", name.into())]) }
+}
+
 fn inertial(mass: f64, inertia: f64) -> Element {
-    let mut inertial = element("inertial", &[]);
-    add(&mut inertial, element("mass", &[("value", mass.to_string())]));
-    let i = inertia.to_string();
-    let zero = || "0".to_string();
-    let moments = [
-        ("ixx", i.clone()),
-        ("ixy", zero()),
-        ("ixz", zero()),
-        ("iyy", i.clone()),
-        ("iyz", zero()),
-        ("izz", i),
-    ];
-    add(&mut inertial, element("inertia", &moments));
-    inertial
+    let moment = |name| (name, if matches!(name, "ixx" | "iyy" | "izz") { inertia } else { 0.0 }.to_string());
+    let moments = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(moment);
+    let mass = element("mass", &[("value", mass.to_string())]);
+    Element::holding("inertial", vec![mass, element("inertia", &moments)])
 }
 
-/// A piece of a limb.
-struct LinkPiece {
-    origin: Vector3<f64>,
-    rotation: Matrix3<f64>,
-    geometry: Element,
-}
-
-/// What a limb is made of, in shapes that URDF has.
-fn pieces(skin: &Skin, limb: usize, mesh_name: &str) -> Vec<LinkPiece> {
+/// What a limb is made of, in shapes that URDF has: poses in the limb's frame, and geometry.
+fn pieces(skin: &Skin, limb: usize, mesh_name: &str) -> Vec<(Frame, Element)> {
     let mut pieces = Vec::new();
     for (s, surface) in skin.surfaces.iter().enumerate().filter(|(_, surface)| surface.limb == limb) {
         let Some(geometries) = surface.shape.urdf() else {
             let receptors = skin.receptors.iter().filter(|r| r.limb == limb && r.surface == Some(s));
-            pieces.extend(receptors.map(tile));
+            // A thin box below a receptor, its outer face where the skin is.
+            pieces.extend(receptors.map(|receptor| {
+                let (pose, size) = tile_box(receptor);
+                (pose, element("box", &[("size", exact(&size.map(|half| 2.0 * half)))]))
+            }));
             continue;
         };
         for UrdfGeometry { element: name, attributes, height } in geometries {
-            let mut geometry = element(name, &[]);
+            let mut geometry = Element::new(name);
             if name == "mesh" {
                 geometry.set("filename", mesh_name);
             }
-            for (attribute, values) in attributes {
-                geometry.set(attribute, exact(&values));
-            }
-            let origin = surface.origin + surface.rotation * Vector3::new(0.0, 0.0, height);
-            pieces.push(LinkPiece { origin, rotation: surface.rotation, geometry });
+            attributes.iter().for_each(|(attribute, values)| geometry.set(attribute, exact(values)));
+            let raised = Frame { origin: Vector3::new(0.0, 0.0, height), ..Frame::identity() };
+            pieces.push((surface.pose() * raised, geometry));
         }
     }
     pieces
 }
 
-/// A thin box below a receptor, its outer face where the skin is.
-fn tile(receptor: &Receptor) -> LinkPiece {
-    let (Frame { origin, rotation }, size) = tile_box(receptor);
-    let geometry = element("box", &[("size", exact(&size.map(|half| 2.0 * half)))]);
-    LinkPiece { origin, rotation, geometry }
-}
-
 /// A pose: rotations about the fixed axes x, y, z in this order.
-fn origin(at: &Vector3<f64>, rotation: &Matrix3<f64>) -> Element {
-    let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(*rotation).euler_angles();
-    element("origin", &[("xyz", exact(at)), ("rpy", exact(&[roll, pitch, yaw]))])
+fn origin(pose: &Frame) -> Element {
+    let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(pose.rotation).euler_angles();
+    element("origin", &[("xyz", exact(&pose.origin)), ("rpy", exact(&[roll, pitch, yaw]))])
 }
 
-/// A sphere of radius 1 as binary STL: an octahedron whose faces are divided and put on the sphere.
+/// A sphere of radius 1 as binary STL: stripes between the poles in quadrangles, each in two triangles, at the poles in one.
 fn sphere_stl() -> Vec<u8> {
-    let mut faces: Vec<[Vector3<f64>; 3]> = Vec::new();
-    for (x, y, z) in [(1, 1, 1), (-1, 1, 1), (-1, -1, 1), (1, -1, 1)]
-        .into_iter()
-        .flat_map(|(x, y, z)| [(x, y, z), (x, y, -z)])
-    {
-        let [x, y, z] = [x, y, z].map(f64::from);
-        let corners = [Vector3::x() * x, Vector3::y() * y, Vector3::z() * z];
+    let at = |stripe: usize, part: usize| {
+        let [down, around] =
+            [(stripe, STRIPES), (2 * part, STRIPES)].map(|(k, of)| PI * k as f64 / of as f64);
+        let corner = Vector3::new(down.sin() * around.cos(), down.sin() * around.sin(), down.cos());
+        // Rounded, corners of several triangles are the very same.
+        corner.map(|x| (1e6 * x).round() / 1e6 + 0.0)
+    };
+    let mut triangles = Vec::new();
+    for (stripe, part) in (0..STRIPES).flat_map(|stripe| (0..STRIPES).map(move |part| (stripe, part))) {
+        let [a, b] = [part, part + 1].map(|part| at(stripe, part));
+        let [c, d] = [part, part + 1].map(|part| at(stripe + 1, part));
         // Counter-clockwise from outside.
-        faces.push(if x * y * z > 0.0 { corners } else { [corners[0], corners[2], corners[1]] });
-    }
-    for _ in 0..DIVISIONS {
-        let divide = |[a, b, c]: [Vector3<f64>; 3]| {
-            let [ab, bc, ca] = [(a + b).normalize(), (b + c).normalize(), (c + a).normalize()];
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        };
-        faces = faces.into_iter().flat_map(divide).collect();
+        triangles.extend((stripe + 1 < STRIPES).then_some([a, c, d]));
+        triangles.extend((stripe > 0).then_some([a, d, b]));
     }
     let mut stl = vec![b' '; 80];
-    stl.extend((faces.len() as u32).to_le_bytes());
-    for [a, b, c] in faces {
+    stl.extend((triangles.len() as u32).to_le_bytes());
+    for [a, b, c] in triangles {
         let normal = (b - a).cross(&(c - a)).normalize();
-        for vector in [normal, a, b, c] {
-            vector.iter().for_each(|&x| stl.extend((x as f32).to_le_bytes()));
-        }
+        stl.extend([normal, a, b, c].iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()));
         stl.extend([0; 2]);
     }
     stl

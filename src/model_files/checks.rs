@@ -4,9 +4,11 @@
 //! wrong in it must not be read as if it were not there. And of 5,000 mutated files MuJoCo 2.2.2 crashed on some sizes and never
 //! returned from others: numbers of that order are refused.
 
+use std::path::PathBuf;
+
 use super::pose::{Angles, ORIENTATIONS};
-use super::source::{Refused, Source};
-use super::tree::Element;
+use super::source::{Refused, Source, whole_folder_of, with_slashes};
+use super::tree::{Element, is_of};
 
 /// Greatest length, coordinate or scale accepted, in metres: a thousand kilometres.
 const GREATEST_LENGTH: f64 = 1e6;
@@ -22,114 +24,62 @@ const GREATEST_ITERATIONS: f64 = 1e4;
 const GREATEST_NUMBERS: [(&str, usize); 5] =
     [("body", 10_000), ("link", 10_000), ("joint", 10_000), ("geom", 50_000), ("site", 50_000)];
 
-/// Attributes that hold lengths, coordinates or scales, in any element.
-const LENGTHS: [&str; 21] = [
-    "size",
-    "pos",
-    "fromto",
-    "scale",
-    "refpos",
-    "vertex",
-    "spacing",
-    "margin",
-    "gap",
-    "axis",
-    "quat",
-    "euler",
-    "axisangle",
-    "xyaxes",
-    "zaxis",
-    "center",
-    "offset",
-    "xyz",
-    "rpy",
-    "radius",
-    "length",
-];
-
-/// Attributes that hold a count of things the engine makes, with the greatest count accepted; an
-/// element of `*` stands for any.
-const COUNTS: [(&str, &str, f64); 19] = [
-    ("texture", "width", 16384.0),
-    ("texture", "height", 16384.0),
-    ("texture", "gridsize", 4096.0),
-    ("hfield", "nrow", 8192.0),
-    ("hfield", "ncol", 8192.0),
-    ("composite", "count", 10_000.0),
-    ("flexcomp", "count", 10_000.0),
-    ("replicate", "count", 10_000.0),
-    ("size", "njmax", 100_000.0),
-    ("size", "nconmax", 100_000.0),
-    ("size", "nstack", 1e8),
-    ("size", "nuserdata", 1e6),
-    ("size", "nkey", 1e6),
-    ("*", "nuser_", 1e6),
-    ("quality", "shadowsize", 65536.0),
-    ("quality", "offsamples", 1024.0),
-    ("global", "offwidth", 65536.0),
-    ("global", "offheight", 65536.0),
-    ("mesh", "maxhullvert", 1e6),
-];
+/// The greatest number there is: what holds such is finite.
+const FINITE: f64 = f64::MAX;
 
 /// Elements of a tree with places in it.
-const PLACED: [&str; 6] = ["body", "frame", "replicate", "geom", "site", "inertial"];
+const PLACED: &str = "body frame replicate geom site inertial";
 
-/// What holds so many numbers: elements, their attributes, the count.
-const COUNTED: [(&[&str], &[&str], usize); 19] = [
-    (&PLACED, &["pos", "zaxis", "euler"], 3),
-    (&PLACED, &["quat", "axisangle"], 4),
-    (&PLACED, &["xyaxes"], 6),
-    (&["replicate"], &["offset"], 3),
-    (&["geom", "site"], &["fromto"], 6),
-    (&["joint"], &["pos", "axis"], 3),
-    (&["joint"], &["range"], 2),
-    (&["joint"], &["ref", "springref"], 1),
-    // The scale of a mesh is of URDF as well; what follows is of URDF alone.
-    (&["mesh"], &["refpos", "scale"], 3),
-    (&["mesh"], &["refquat"], 4),
-    (&["mass"], &["value"], 1),
-    (&["inertia"], &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"], 1),
-    (&["origin"], &["xyz", "rpy"], 3),
-    (&["axis"], &["xyz"], 3),
-    (&["box"], &["size"], 3),
-    (&["sphere", "cylinder", "capsule"], &["radius"], 1),
-    (&["cylinder", "capsule"], &["length"], 1),
-    (&["mimic"], &["multiplier", "offset"], 1),
-    (&["limit"], &["lower", "upper"], 1),
-];
-
-/// What else holds numbers, however many: the engine takes what is not finite, and physics comes to nothing with it.
-const PHYSICAL: [&str; 30] = [
-    "anchor",
-    "armature",
-    "boundinertia",
-    "boundmass",
-    "cutoff",
-    "damping",
-    "density",
-    "diaginertia",
-    "friction",
-    "frictionloss",
-    "fullinertia",
-    "gravity",
-    "ixx",
-    "ixy",
-    "ixz",
-    "iyy",
-    "iyz",
-    "izz",
-    "mass",
-    "noise",
-    "polycoef",
-    "prm",
-    "rgba",
-    "settotalmass",
-    "size",
-    "stiffness",
-    "timestep",
-    "vertex",
-    "viscosity",
-    "wind",
+/// What holds numbers: elements, `*` for any, their attributes, how many numbers, 0 for any, and the greatest accepted: of
+/// lengths, coordinates and scales, of counts of what the engine makes, and of all else, for the engine takes what is not finite,
+/// and physics comes to nothing with it. The first that fits counts.
+const NUMBERS: [(&str, &str, usize, f64); 28] = [
+    (PLACED, "pos zaxis euler", 3, GREATEST_LENGTH),
+    (PLACED, "quat axisangle", 4, GREATEST_LENGTH),
+    (PLACED, "xyaxes", 6, GREATEST_LENGTH),
+    ("replicate", "offset", 3, GREATEST_LENGTH),
+    ("geom site", "fromto", 6, GREATEST_LENGTH),
+    ("joint", "pos axis", 3, GREATEST_LENGTH),
+    ("joint", "range", 2, FINITE),
+    ("joint", "ref springref", 1, FINITE),
+    ("mesh", "refquat", 4, FINITE),
+    // The scale of a mesh is of URDF as well; what follows is of URDF alone, where a limit that is infinite is none.
+    ("mesh", "refpos scale", 3, GREATEST_LENGTH),
+    ("limit", "lower upper", 1, f64::INFINITY),
+    ("origin", "xyz rpy", 3, GREATEST_LENGTH),
+    ("axis", "xyz", 3, GREATEST_LENGTH),
+    ("box", "size", 3, GREATEST_LENGTH),
+    ("sphere cylinder capsule", "radius length", 1, GREATEST_LENGTH),
+    ("mass inertia mimic", "value ixx ixy ixz iyy iyz izz multiplier offset", 1, FINITE),
+    ("texture", "width height", 0, 16384.0),
+    ("texture", "gridsize", 0, 4096.0),
+    ("hfield", "nrow ncol", 0, 8192.0),
+    ("composite flexcomp replicate", "count", 0, 10_000.0),
+    ("size", "njmax nconmax", 0, 100_000.0),
+    ("size", "nstack", 0, 1e8),
+    ("size", "nuserdata nkey", 0, 1e6),
+    (
+        "size",
+        "nuser_body nuser_jnt nuser_geom nuser_site nuser_cam nuser_tendon nuser_actuator nuser_sensor",
+        0,
+        1e6,
+    ),
+    ("quality global", "shadowsize offwidth offheight", 0, 65536.0),
+    ("quality", "offsamples", 0, 1024.0),
+    (
+        "*",
+        "size pos fromto scale refpos vertex spacing margin gap axis quat euler axisangle xyaxes zaxis center offset xyz rpy \
+         radius length maxhullvert",
+        0,
+        GREATEST_LENGTH,
+    ),
+    (
+        "*",
+        "anchor armature boundinertia boundmass cutoff damping density diaginertia friction frictionloss fullinertia gravity ixx \
+         ixy ixz iyy iyz izz mass noise polycoef prm rgba settotalmass stiffness viscosity wind",
+        0,
+        FINITE,
+    ),
 ];
 
 /// What has one of these words: elements, their attribute, the words.
@@ -149,10 +99,35 @@ const WORDS: [(&[&str], &str, &[&str]); 6] = [
 /// Checks what a model's file and what it includes say.
 ///
 /// # Errors
-/// Where a number or word is none or out of bounds, a direction is zero, or there is too much of anything.
+/// Where a number or word is none or out of bounds, a direction is zero, there is too much of anything, or a file is none.
 pub(crate) fn check(source: &Source) -> Result<(), Refused> {
     check_numbers(source, &source.root)?;
-    within(source, &source.root, Part::Other)
+    within(source, &source.root, Part::Other)?;
+    check_files(source)
+}
+
+/// Checks that no file of a mesh, a height field or a texture is a pipe or a device: the engine opens them itself, and would
+/// wait for ever.
+fn check_files(source: &Source) -> Result<(), Refused> {
+    let folder = whole_folder_of(&source.path);
+    let set = ["meshdir", "texturedir", "assetdir"].map(|name| source.root.setting("compiler", name));
+    let folders: Vec<_> =
+        set.into_iter().flatten().chain([""]).map(|own| folder.join(with_slashes(own))).collect();
+    let endless = |name: &str| {
+        let about = |folder: &PathBuf| std::fs::metadata(folder.join(with_slashes(name)));
+        { folders.iter() }.any(|folder| about(folder).is_ok_and(|file| !file.is_file() && !file.is_dir()))
+    };
+    for element in source.root.descendants() {
+        let files =
+            element.attributes.iter().filter(|(name, file)| name.starts_with("file") && !file.is_empty());
+        if let Some((_, file)) = { files }.find(|(_, file)| endless(file)) {
+            let title = element.title();
+            let message =
+                format!("{title} is in {file}, which is a pipe or a device; give it a regular file");
+            return Err(source.refused(element, message));
+        }
+    }
+    Ok(())
 }
 
 /// Checks how many elements a tree has.
@@ -181,8 +156,7 @@ enum Part {
 
 fn within(source: &Source, element: &Element, part: Part) -> Result<(), Refused> {
     let wrong = element.attributes.iter().find_map(|(name, value)| {
-        let wrong = unsimulated(element, name, value).or_else(|| excessive(element, name, value));
-        wrong.or_else(|| fault(element, name, value, part))
+        unsimulated(element, name, value).or_else(|| fault(element, name, value, part))
     });
     let wrong = wrong.or_else(|| undirected(element).filter(|_| part == Part::Bodies));
     if let Some(message) = wrong {
@@ -198,20 +172,6 @@ fn within(source: &Source, element: &Element, part: Part) -> Result<(), Refused>
             _ => part,
         };
         within(source, child, part)
-    })
-}
-
-/// What is wrong with a number with which the engine crashes or never returns.
-fn excessive(element: &Element, attribute: &str, value: &str) -> Option<String> {
-    let greatest = greatest(&element.name, attribute)?;
-    let beyond = |number: f64| number.is_nan() || number.abs() > greatest;
-    let token = value.split_ascii_whitespace().find(|token| number(token).is_some_and(beyond))?;
-    let what = format!("{attribute}=\"{token}\" of {}", element.title());
-    Some(match number(token).is_some_and(f64::is_finite) {
-        true => format!(
-            "{what} is beyond {greatest}, the greatest that MuJoCo takes safely; give a smaller number"
-        ),
-        false => format!("{what} is no finite number; give one"),
     })
 }
 
@@ -236,19 +196,6 @@ fn unsimulated(element: &Element, attribute: &str, value: &str) -> Option<String
     })
 }
 
-/// The greatest number that an attribute may hold, if it is one of those that matter.
-fn greatest(element: &str, attribute: &str) -> Option<f64> {
-    let count = COUNTS.iter().find(|(tag, name, _)| {
-        // One of `nuser_body`, `nuser_geom` and so on.
-        let users = *name == "nuser_" && attribute.starts_with(name);
-        (*tag == element || *tag == "*") && (*name == attribute || users)
-    });
-    match count {
-        Some(&(_, _, greatest)) => Some(greatest),
-        None => LENGTHS.contains(&attribute).then_some(GREATEST_LENGTH),
-    }
-}
-
 /// The number that `token` begins with, as C reads it.
 fn number(token: &str) -> Option<f64> {
     let ends = token.char_indices().map(|(at, mark)| at + mark.len_utf8());
@@ -261,10 +208,10 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
     if value.trim().is_empty() {
         return None;
     }
-    let of = |names: &&[&str]| names.contains(&element.name.as_str());
     let title = element.title();
     if part == Part::Bodies {
-        let choice = WORDS.iter().find(|(names, word, _)| of(names) && *word == name);
+        let choice =
+            WORDS.iter().find(|(names, word, _)| names.contains(&element.name.as_str()) && *word == name);
         if let Some((_, _, words)) = choice.filter(|(_, _, words)| !words.contains(&value)) {
             let words = one_of(words);
             return Some(format!("{name}=\"{value}\" of {title} is no word of MJCF; give {words}"));
@@ -276,34 +223,42 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
             ));
         }
     }
-    let counted = COUNTED.iter().find(|(names, attributes, _)| of(names) && attributes.contains(&name));
-    let counted = counted.filter(|_| part != Part::Other);
-    let physical = PHYSICAL.contains(&name);
-    if counted.is_none() && !physical {
-        return None;
-    }
-    let strict = counted.is_some() || part == Part::Bodies;
+    let of = |elements: &str| elements == "*" || is_of(elements, &element.name);
+    let &(_, _, count, greatest) =
+        NUMBERS.iter().find(|(elements, attributes, ..)| of(elements) && is_of(attributes, name))?;
+    // Elsewhere the same words may mean something else, and the engine reads what begins with a number.
+    let count = if part == Part::Other { 0 } else { count };
+    let strict = count > 0 || part == Part::Bodies;
     let tokens: Vec<&str> = value.split_whitespace().collect();
     for token in &tokens {
-        let mend = match token.parse::<f64>() {
-            Ok(number) if number.is_finite() => continue,
-            // A limit that is infinite is none.
-            Ok(number) if !number.is_nan() && element.name == "limit" => continue,
-            Ok(_) => return Some(format!("\"{token}\" in {name} of {title} is no finite number; give one")),
-            Err(_) if !strict => continue,
-            Err(_) if token.contains("${") => "write it out with `xacro FILE > robot.urdf`",
-            Err(_) => "give one, with a point for decimals and spaces between numbers",
+        let fault = match (number(token), token.parse::<f64>()) {
+            (Some(x), _) if x.is_nan() || x.abs() > greatest && x.is_infinite() => {
+                "is no finite number; give one"
+            }
+            (Some(x), _) if x.abs() > greatest => {
+                return Some(format!(
+                    "\"{token}\" in {name} of {title} is beyond {greatest}, the greatest that MuJoCo takes safely; give a \
+                     smaller number"
+                ));
+            }
+            (_, Err(_)) if strict && token.contains("${") => {
+                "is no number; write it out with `xacro FILE > robot.urdf`"
+            }
+            (_, Err(_)) if strict => {
+                "is no number; give one, with a point for decimals and spaces between numbers"
+            }
+            _ => continue,
         };
-        return Some(format!("\"{token}\" in {name} of {title} is no number; {mend}"));
+        return Some(format!("\"{token}\" in {name} of {title} {fault}"));
     }
-    let (_, _, count) = counted.filter(|(_, _, count)| *count != tokens.len())?;
     let numbers = if tokens.len() == 1 { "number" } else { "numbers" };
-    Some(format!("{name} of {title} has {} {numbers}; give it {count}", tokens.len()))
+    (count > 0 && count != tokens.len())
+        .then(|| format!("{name} of {title} has {} {numbers}; give it {count}", tokens.len()))
 }
 
 /// What is wrong with the orientation that an element of the tree gives.
 fn undirected(element: &Element) -> Option<String> {
-    if !PLACED.contains(&element.name.as_str()) {
+    if !is_of(PLACED, &element.name) {
         return None;
     }
     let mut given = ORIENTATIONS

@@ -1,13 +1,11 @@
 //! A file with other numbers in their places: every other byte stays as it was.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 
-use roxmltree::{Document, Node};
-
-use super::parse::{Tolerant, name_at};
+use super::parse::{attributes, first_tag};
 use super::source::text_from;
-use super::tree::Element;
+use super::tree::{Element, Place};
 
 /// Changes of a file's bytes.
 #[derive(Clone, Debug, Default)]
@@ -55,7 +53,7 @@ impl Change {
     }
 
     /// Whether nothing changes.
-    fn is_none(&self) -> bool {
+    pub fn is_none(&self) -> bool {
         self.old.len() == self.new.len() && (0..self.new.len()).all(|i| self.keeps(i))
     }
 
@@ -79,69 +77,71 @@ pub(crate) fn new_element(name: &str, changes: &[Change]) -> String {
     format!("\n<{name}{}/>", changes.iter().map(Change::text).collect::<String>())
 }
 
-/// The bytes of an element.
-struct Spot {
-    name: String,
-    /// Each attribute's name, and where its name and its value without quotes are.
-    attributes: Vec<(String, Range<usize>, Range<usize>)>,
-    /// Where its start tag ends.
-    start_ends: usize,
-    /// Where its first child begins.
-    first_child: Option<usize>,
-    /// Where its end tag begins; `None` if its start tag closes it.
-    end_begins: Option<usize>,
-}
-
-impl Spot {
+/// The start tag of an element in a file.
+struct Tag {
+    /// Where it begins and ends.
+    at: Range<usize>,
+    /// Where the name and the value without quotes of each attribute are.
+    attributes: Vec<[Range<usize>; 2]>,
     /// Where its last attribute ends.
-    fn after_attributes(&self, begins: usize) -> usize {
-        // A value has a quote behind it.
-        self.attributes.last().map_or(begins + 1 + self.name.len(), |(_, _, value)| value.end + 1)
-    }
+    after_attributes: usize,
+    /// Where the end tag begins; `None` if the start tag closes the element.
+    end_begins: Option<usize>,
 }
 
 /// Changes of an XML file, told by its elements.
 pub(crate) struct XmlEdits<'b> {
+    file: &'b Path,
     bytes: &'b [u8],
-    /// By the byte at which each element begins.
-    spots: BTreeMap<usize, Spot>,
+    text: String,
     edits: Edits,
 }
 
 impl<'b> XmlEdits<'b> {
-    /// Of a file that was read; of one that is no XML nothing can be changed.
-    pub fn new(bytes: &'b [u8]) -> XmlEdits<'b> {
-        let text = text_from(bytes);
-        let tolerant = Tolerant::new(&text).text;
-        let mut spots = BTreeMap::new();
-        if let Ok(document) = Document::parse(&tolerant) {
-            for node in document.root_element().descendants().filter(Node::is_element) {
-                spots.insert(node.range().start, spot(node, &text));
-            }
-        }
-        XmlEdits { bytes, spots, edits: Edits::default() }
+    /// Of a file that was read; elements of others stay as they are.
+    pub fn new(file: &'b Path, bytes: &'b [u8]) -> XmlEdits<'b> {
+        XmlEdits { file, bytes, text: text_from(bytes), edits: Edits::default() }
     }
 
-    fn at(&self, element: &Element) -> Option<(usize, &Spot)> {
-        let at = element.place.as_ref()?.at;
-        Some((at, self.spots.get(&at)?))
+    /// Where an element is; `None` if it is not of this file.
+    fn place<'e>(&self, element: &'e Element) -> Option<&'e Place> {
+        element.place.as_ref().filter(|place| *place.file == *self.file)
+    }
+
+    /// The start tag of an element; `None` if it is not of this file.
+    fn tag(&self, element: &Element) -> Option<Tag> {
+        let &Place { at, end, .. } = self.place(element)?;
+        let (tag, start_ends) = first_tag(&self.text, at)?;
+        let within = |part: Range<usize>| at + 1 + part.start..at + 1 + part.end;
+        let attributes: Vec<_> = attributes(&tag).ok()?.into_iter().map(|own| own.map(within)).collect();
+        Some(Tag {
+            at: at..start_ends,
+            // A value has a quote behind it.
+            after_attributes: attributes
+                .last()
+                .map_or(at + 1 + tag.name().as_ref().len(), |[_, value]| value.end + 1),
+            attributes,
+            end_begins: self.text[start_ends..end].rfind("</").map(|inside| start_ends + inside),
+        })
+    }
+
+    /// Where the name and the value of an attribute are.
+    fn attribute(&self, tag: &Tag, name: &str) -> Option<[Range<usize>; 2]> {
+        tag.attributes.iter().find(|[own, _]| self.text[own.clone()] == *name).cloned()
     }
 
     /// Changes the numbers of an element's attributes; those that stay keep their text.
     pub fn set(&mut self, element: &Element, changes: &[Change]) {
+        let Some(tag) = self.tag(element) else { return };
         for change in changes.iter().filter(|change| !change.is_none()) {
-            let Some((begins, spot)) = self.at(element) else { continue };
-            let Some((_, _, value)) = spot.attributes.iter().find(|(name, ..)| name == change.attribute)
-            else {
-                let at = spot.after_attributes(begins);
-                self.edits.insert(at, change.text());
+            let Some([_, value]) = self.attribute(&tag, change.attribute) else {
+                self.edits.insert(tag.after_attributes, change.text());
                 continue;
             };
-            let words = words(self.bytes, value);
+            let words = words(self.bytes, &value);
             if words.len() != change.new.len() {
                 // Its blanks are written in some other way.
-                let at = value.clone();
-                self.edits.replace(at, change.numbers());
+                self.edits.replace(value, change.numbers());
                 continue;
             }
             for (i, at) in words.into_iter().enumerate().filter(|(i, _)| !change.keeps(*i)) {
@@ -152,44 +152,30 @@ impl<'b> XmlEdits<'b> {
 
     /// Gives an attribute, or one in the place of another, a text.
     pub fn put(&mut self, element: &Element, old: &str, new: &str, text: &str) {
-        let Some((begins, spot)) = self.at(element) else { return };
-        match spot.attributes.iter().find(|(name, ..)| name == old) {
-            Some((_, name, value)) => {
-                let (name, value) = (name.clone(), value.clone());
-                if new != old {
-                    self.edits.replace(name, new);
-                }
+        let Some(tag) = self.tag(element) else { return };
+        match self.attribute(&tag, old) {
+            Some([name, value]) => {
+                self.edits.replace(name, new);
                 self.edits.replace(value, text);
             }
-            None => {
-                let at = spot.after_attributes(begins);
-                self.edits.insert(at, format!(" {new}=\"{text}\""));
-            }
+            None => self.edits.insert(tag.after_attributes, format!(" {new}=\"{text}\"")),
         }
     }
 
     /// Puts elements into another, each in a line as its children are: before them all, or behind.
     pub fn add(&mut self, element: &Element, elements: &str, before: bool) {
-        let Some((begins, spot)) = self.at(element) else { return };
-        let indent = match spot.first_child {
-            Some(child) => indentation(self.bytes, child),
-            None => indentation(self.bytes, begins) + "  ",
-        };
+        let Some(tag) = self.tag(element) else { return };
+        let own = indentation(self.bytes, tag.at.start);
+        let first = element.children.iter().find_map(|child| self.place(child));
+        let indent = first.map_or(format!("{own}  "), |child| indentation(self.bytes, child.at));
         let elements = elements.replace('\n', &indent);
-        match spot.end_begins {
+        match tag.end_begins {
             // After the last line that is not blank.
-            Some(end) if !before => {
-                let at = self.bytes[..end].trim_ascii_end().len();
-                self.edits.insert(at, elements);
-            }
-            Some(_) => {
-                let at = spot.start_ends;
-                self.edits.insert(at, elements);
-            }
+            Some(end) if !before => self.edits.insert(self.bytes[..end].trim_ascii_end().len(), elements),
+            Some(_) => self.edits.insert(tag.at.end, elements),
             None => {
-                let end = format!(">{elements}{}</{}>", indentation(self.bytes, begins), spot.name);
-                let at = spot.start_ends;
-                self.edits.replace(at - "/>".len()..at, end);
+                let end = format!(">{elements}{own}</{}>", element.name);
+                self.edits.replace(tag.at.end - "/>".len()..tag.at.end, end);
             }
         }
     }
@@ -198,21 +184,6 @@ impl<'b> XmlEdits<'b> {
     pub fn written(self) -> Vec<u8> {
         self.edits.of(self.bytes)
     }
-}
-
-fn spot(node: Node, text: &str) -> Spot {
-    let Range { start, end } = node.range();
-    let name = name_at(text, start).to_string();
-    let attributes: Vec<_> = node
-        .attributes()
-        .map(|own| (text[own.range_qname()].to_string(), own.range_qname(), own.range_value()))
-        .collect();
-    let mut spot = Spot { name, attributes, start_ends: end, first_child: None, end_begins: None };
-    let rest = spot.after_attributes(start);
-    spot.start_ends = text[rest..end].find('>').map_or(end, |at| rest + at + 1);
-    spot.first_child = node.children().find(Node::is_element).map(|child| child.range().start);
-    spot.end_begins = text[spot.start_ends..end].rfind("</").map(|at| spot.start_ends + at);
-    spot
 }
 
 /// Where the words of a stretch of a file are.
@@ -250,8 +221,6 @@ fn indentation(bytes: &[u8], at: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use crate::model_files::Source;
 
@@ -272,7 +241,7 @@ mod tests {
         let source = Source::of_text(Path::new("a.urdf"), &text_from(&bytes)).unwrap();
         let joint = source.root.child("joint").unwrap();
         assert_eq!((joint.place.as_ref().unwrap().line, joint.get("name")), (3, Some("a&b")));
-        let mut edits = XmlEdits::new(&bytes);
+        let mut edits = XmlEdits::new(Path::new("a.urdf"), &bytes);
         edits.set(joint, &[Change::of("x", [1.0, 2.0], [1.0, 3.0]), Change::of("y", [0.0], [4.0])]);
         edits.put(joint, "name", "id", "c");
         edits.add(&source.root, "\n<link/>", false);

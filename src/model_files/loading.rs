@@ -12,7 +12,7 @@ use super::reduce::Reduced;
 use super::refusal::{Complaint, refusal};
 use super::source::whole_folder_of;
 use super::write::{Texts, numbered};
-use super::{Element, LeftOut, Refused, Source, assets, element, set_compiler, urdf};
+use super::{Element, LeftOut, Refused, Source, element, set_compiler, urdf};
 use crate::mujoco::{self, Compiler, Error, Model, Result};
 use crate::plausible::bounded;
 
@@ -78,26 +78,8 @@ impl Model {
     /// [`Error::Version`] where the library is not the one the crate was built with.
     pub(crate) fn accepted(root: Element, path: &Path) -> Result<Element> {
         let loader = Loader { hulls: false, ..Loader::new()? };
-        let mut given = root.clone();
-        anchor_assets(&mut given, path);
-        let mut mended = given.clone();
-        if loader.mended(&mut mended).is_err() || mended == given {
-            return Ok(root);
-        }
-        // The folders of meshes and textures stay as they were.
-        let is_compiler = |e: &&Element| e.name == "compiler";
-        let mut before = root.children.iter().filter(is_compiler);
-        let settings = mended.children.iter_mut();
-        for compiler in settings.filter(|e| e.name == "compiler") {
-            let own = before.next();
-            for name in ["meshdir", "texturedir"] {
-                compiler.remove(name);
-                if let Some(folder) = own.and_then(|own| own.get(name)) {
-                    compiler.set(name, folder);
-                }
-            }
-        }
-        Ok(mended)
+        let mut mended = root.clone();
+        Ok(if loader.mended(&mut mended, path).is_ok() { mended } else { root })
     }
 
     /// Compiles a model from MJCF text; files that it includes or takes meshes from are sought in the
@@ -125,7 +107,7 @@ impl Model {
     pub(crate) fn written_out(path: &Path) -> Result<String> {
         let loader = Loader { hulls: false, ..Loader::new()? };
         let (model, _) = loader.open(Source::read(path)?, &[])?;
-        loader.compiler.write_out(&model)?.map_err(|fault| Refused::file(path, fault).into())
+        loader.compiler.write_out(&model)?.map_err(|fault| Refused::file(path, fault))
     }
 }
 
@@ -149,8 +131,7 @@ impl Loader {
     }
 
     /// What is changed in every tree before the engine reads it.
-    fn prepare(&self, root: &mut Element, source: &Source, bodies: &[Element]) {
-        anchor_assets(root, &source.path);
+    fn prepare(&self, root: &mut Element, bodies: &[Element]) {
         // A trunk that stands still would be joined to the world, and its limbs fall apart into creatures of their own; and
         // what is for show alone may be all there is to touch.
         for (name, kept) in [("fusestatic", "false"), ("discardvisual", "false")] {
@@ -178,19 +159,18 @@ impl Loader {
     /// Loads a file with more bodies in its world, as it is or else in terms that the engine knows.
     fn open(&self, mut source: Source, bodies: &[Element]) -> Result<(Model, LeftOut)> {
         check(&source)?;
-        assets::check(&source)?;
         let first = match source.root.name.as_str() {
             "mujoco" => {
                 let mut root = source.root.clone();
-                self.prepare(&mut root, &source, bodies);
-                match self.mended(&mut root) {
+                self.prepare(&mut root, bodies);
+                match self.mended(&mut root, &source.path) {
                     Ok(model) => return Ok((model, LeftOut::default())),
                     Err(Failed::Engine(error)) => return Err(error),
                     Err(Failed::Refused(complaint)) => Some(complaint),
                 }
             }
             "robot" => None,
-            other => return Err(Error::from(no_model(&source, other))),
+            other => return Err(no_model(&source, other)),
         };
         let mut reduced = match &first {
             Some(_) => Reduced::new(&source, &mujoco::schema()?)?,
@@ -198,10 +178,10 @@ impl Loader {
         };
         // Replicas and what is attached are written out there.
         check_numbers(&source, &reduced.root)?;
-        self.prepare(&mut reduced.root, &source, bodies);
+        self.prepare(&mut reduced.root, bodies);
         source.root = Element::new("mujoco");
         loop {
-            let complaint = match self.mended(&mut reduced.root) {
+            let complaint = match self.mended(&mut reduced.root, &source.path) {
                 Ok(model) => return Ok((model, reduced.left_out)),
                 Err(Failed::Engine(error)) => return Err(error),
                 Err(Failed::Refused(complaint)) => complaint,
@@ -235,12 +215,15 @@ impl Loader {
         }
     }
 
-    /// Loads a tree; where the engine asks for what changes nothing of where limbs are, it gets it.
-    fn mended(&self, root: &mut Element) -> std::result::Result<Model, Failed> {
+    /// Loads a tree whose assets are sought from the file `path`; where the engine asks for what changes nothing of where limbs
+    /// are, the tree gets it.
+    fn mended(&self, root: &mut Element, path: &Path) -> std::result::Result<Model, Failed> {
         loop {
-            let texts = Texts::new(root, &Compiler::first_text());
+            let mut anchored = root.clone();
+            anchor_assets(&mut anchored, path);
+            let texts = Texts::new(&anchored, &Compiler::first_text());
             let words = match self.compiler.compile(&texts.texts)? {
-                Ok(model) if self.hulls => return Ok(with_hulls(model, root, &self.compiler)),
+                Ok(model) if self.hulls => return Ok(with_hulls(model, &anchored, &self.compiler)),
                 Ok(model) => return Ok(model),
                 Err(words) => words,
             };

@@ -152,18 +152,12 @@ pub(super) fn take_corners(mesh: &mut Element) -> bool {
     mesh.has("vertex") && mesh.remove("face").is_some()
 }
 
-/// A refusal of a model by the first of its meshes whose file cannot be read, where there is one.
+/// A refusal of MJCF by the first of its meshes whose file cannot be read, where there is one.
 pub(crate) fn unreadable_mesh(path: &Path) -> Option<Refused> {
     let source = Source::read(path).ok()?;
     let folder = MeshFolder::of(&source);
-    let root = if source.root.name == "robot" {
-        super::urdf::to_mjcf(&source).ok()?.root
-    } else {
-        source.root.clone()
-    };
-    let assets = root.all("asset");
-    let meshes = assets.flat_map(|e| &e.children).filter(|e| e.name == "mesh");
-    { meshes }.find_map(|mesh| {
+    let mut meshes = source.root.all("asset").flat_map(|e| &e.children).filter(|e| e.name == "mesh");
+    meshes.find_map(|mesh| {
         let mut settled = mesh.clone();
         folder.settle(&mut settled);
         let file = PathBuf::from(settled.get("file")?);

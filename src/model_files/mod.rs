@@ -1,7 +1,6 @@
 //! Model files as XML: reading them with a place for every element, putting what is newer than the engine in plain
 //! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
 
-mod assets;
 mod checks;
 mod defaults;
 mod edits;

@@ -1,226 +1,143 @@
-//! XML as MuJoCo and editors take it, read by a parser that is stricter: what it would refuse is written over beforehand, byte
-//! for byte, so that every place stays what it is in the file.
+//! XML as MuJoCo and editors take it: any hyphens in comments, any prefixes, the first of two attributes of one name, and marks
+//! that are no entities as they stand.
 
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use roxmltree::{Document, Error, Node};
+use quick_xml::Reader;
+use quick_xml::escape::unescape;
+use quick_xml::events::{BytesStart, Event};
 
-use super::source::Refused;
 use super::tree::{Element, Place};
+use crate::mujoco::Error as Refused;
 
 /// How deep elements may lie in each other: what visits a tree goes down by calls.
 const GREATEST_DEPTH: usize = 1000;
 /// What a file without any element is refused with, or one that begins with something else.
 const NO_XML: &str = "it holds no XML: give the path of an MJCF or URDF file";
-/// The mark that some editors put before text.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+/// The mark that some editors put before text, and blanks as long.
+const BYTE_ORDER_MARK: (&str, &str) = ("\u{feff}", "   ");
 
 /// The one element that a text is.
 ///
 /// # Errors
 /// Where it is malformed.
 pub(super) fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
-    let lines = Lines::new(text);
-    let refused =
-        |line: usize, message: String| Refused { path: path.to_path_buf(), line: Some(line), message };
-    let malformed =
-        |line: usize, what: &str| refused(line, format!("malformed XML ({what}); correct it there"));
-    if let Some(at) = text.find(|mark: char| mark < ' ' && !mark.is_ascii_whitespace()) {
+    let refused = |at: usize, message: String| Refused::Read {
+        path: path.to_path_buf(),
+        line: Some(1 + newlines(&text[..at])),
+        message,
+    };
+    let malformed = |at: usize, what: &str| refused(at, format!("malformed XML ({what}); correct it there"));
+    let is_control = |mark: char| mark < ' ' && !mark.is_ascii_whitespace();
+    if let Some(at) = text.find(is_control) {
         let message = "a character there is none of XML; give an MJCF or URDF file, which is text";
-        return Err(refused(lines.of(at), message.into()));
+        return Err(refused(at, message.into()));
     }
-    if !text.trim_start_matches(BYTE_ORDER_MARK).trim_start().starts_with('<') {
+    let text = &text.replacen(BYTE_ORDER_MARK.0, BYTE_ORDER_MARK.1, 1);
+    if !text.trim_start().starts_with('<') {
         return Err(Refused::file(path, NO_XML));
     }
-    let Tolerant { text: tolerant, root, unclosed, too_deep } = Tolerant::new(text);
-    if let Some(at) = too_deep {
-        let message = format!(
-            "its elements lie deeper than {GREATEST_DEPTH} in each other; give a chain of fewer bodies"
-        );
-        return Err(refused(lines.of(at), message));
-    }
-    let name = |at: Option<usize>| name_at(text, at.unwrap_or_default());
-    let document = Document::parse(&tolerant).map_err(|error| {
-        let line = error.pos().row as usize;
-        match error {
-            Error::NoRootNode => Refused::file(path, NO_XML),
-            Error::UnclosedRootNode => {
-                let line = lines.of(unclosed.unwrap_or_default());
-                malformed(line, &format!("<{}> is not closed", name(unclosed)))
-            }
-            Error::UnknownToken(_) => malformed(line, &format!("there is more after </{}>", name(root))),
-            _ => malformed(line, &error.to_string()),
+    let (file, mut reader) = (Arc::from(path), reader(text));
+    let (mut lines, mut counted) = (1, 0);
+    let (mut root, mut open, mut comments): (Option<Element>, Vec<Element>, _) = (None, vec![], vec![]);
+    loop {
+        let begin = reader.buffer_position() as usize;
+        let event = reader.read_event();
+        let event = event.map_err(|fault| malformed(reader.error_position() as usize, &fault.to_string()))?;
+        let end = reader.buffer_position() as usize;
+        if let Some(root) = root.as_ref().filter(|_| !matches!(event, Event::Comment(_) | Event::PI(_)))
+            && let Some(more) = text[begin..end].find(|mark: char| !mark.is_whitespace())
+        {
+            return Err(malformed(begin + more, &format!("there is more after </{}>", root.name)));
         }
-    })?;
-    let reader = Reader { text, tolerant: &tolerant, lines: &lines, file: Arc::from(path) };
-    let before = document.root().children().filter(Node::is_comment);
-    Ok(reader.element(document.root_element(), before.map(|comment| reader.words(comment)).collect()))
-}
-
-/// An element's tag, with its prefix.
-pub(super) fn name_at(text: &str, at: usize) -> &str {
-    let name = &text[at + 1..];
-    &name[..name.find(|mark: char| mark.is_whitespace() || "/>".contains(mark)).unwrap_or(name.len())]
-}
-
-/// Makes elements of a parser's nodes.
-struct Reader<'a> {
-    text: &'a str,
-    tolerant: &'a str,
-    lines: &'a Lines,
-    file: Arc<Path>,
-}
-
-impl Reader<'_> {
-    fn words(&self, comment: Node) -> String {
-        let Range { start, end } = comment.range();
-        self.text[start + "<!--".len()..end - "-->".len()].to_string()
-    }
-
-    fn element(&self, node: Node, comments: Vec<String>) -> Element {
-        let at = node.range().start;
-        let place = Place { file: self.file.clone(), line: self.lines.of(at), at };
-        let mut element = Element { comments, place: Some(place), ..Element::new(name_at(self.text, at)) };
-        for attribute in node.attributes() {
-            let (name, raw) = (&self.text[attribute.range_qname()], &self.text[attribute.range_value()]);
-            // What is no entity is meant as it stands.
-            let told = raw == &self.tolerant[attribute.range_value()];
-            // MuJoCo takes the first of two attributes of one name.
-            if !element.has(name) {
-                element.set(name, if told { attribute.value() } else { raw });
-            }
-        }
-        let mut comments = Vec::new();
-        for child in node.children() {
-            if child.is_comment() {
-                comments.push(self.words(child));
-            } else if child.is_element() {
-                element.children.push(self.element(child, std::mem::take(&mut comments)));
-            }
-        }
-        element.last_comments = comments;
-        element
-    }
-}
-
-/// The lines of a text.
-struct Lines(Vec<usize>);
-
-impl Lines {
-    fn new(text: &str) -> Lines {
-        Lines(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
-    }
-
-    /// The line of a byte, counted from 1.
-    fn of(&self, at: usize) -> usize {
-        1 + self.0.partition_point(|end| *end < at)
-    }
-}
-
-/// A text in which what the parser would refuse is written over.
-pub(super) struct Tolerant {
-    /// The text, as long as it was.
-    pub text: String,
-    /// Where its first element begins.
-    pub root: Option<usize>,
-    /// Where the innermost element begins that is not closed.
-    unclosed: Option<usize>,
-    /// Where an element begins that is too deep.
-    too_deep: Option<usize>,
-}
-
-impl Tolerant {
-    /// Writes over hyphens in comments, declarations, prefixes of names, attributes that repeat another, and marks in values
-    /// that are no entities.
-    pub fn new(text: &str) -> Tolerant {
-        let mut bytes = text.as_bytes().to_vec();
-        let (mut at, mut open) = (0, Vec::new());
-        let (mut root, mut too_deep) = (None, None);
-        if text.starts_with(BYTE_ORDER_MARK) {
-            blank(&mut bytes[..BYTE_ORDER_MARK.len_utf8()]);
-        }
-        while let Some(begin) = text[at..].find('<').map(|next| at + next) {
-            let rest = &text[begin..];
-            let up_to = |mark: &str| rest.find(mark).map_or(text.len(), |end| begin + end + mark.len());
-            if rest.starts_with("<!--") {
-                at = up_to("-->");
-                let inside = begin + 4..at.saturating_sub(3).max(begin + 4);
-                bytes[inside].iter_mut().filter(|byte| **byte == b'-').for_each(|byte| *byte = b'_');
-            } else if rest.starts_with("<![CDATA[") {
-                at = up_to("]]>");
-            } else if rest.starts_with("<?") {
-                at = up_to("?>");
-                blank(&mut bytes[begin..at]);
-            } else if rest.starts_with("<!") {
-                let inner = rest.find('[').filter(|inner| *inner < rest.find('>').unwrap_or(0));
-                at = up_to(if inner.is_some() { "]>" } else { ">" });
-                blank(&mut bytes[begin..at]);
-            } else {
-                at = tag(text, begin, &mut bytes);
-                root = root.or(Some(begin));
-                if rest.starts_with("</") {
-                    open.pop();
-                } else if !text[..at].ends_with("/>") {
-                    open.push(begin);
-                    too_deep = too_deep.or((open.len() > GREATEST_DEPTH).then_some(begin));
+        let closes = matches!(event, Event::Empty(_) | Event::End(_));
+        match event {
+            Event::Start(tag) | Event::Empty(tag) => {
+                (lines, counted) = (lines + newlines(&text[counted..begin]), begin);
+                let mut element = Element::new(&String::from_utf8_lossy(tag.name().as_ref()));
+                element.comments = std::mem::take(&mut comments);
+                element.place = Some(Place { file: Arc::clone(&file), line: lines, at: begin, end });
+                for at in attributes(&tag).map_err(|fault| malformed(begin, &fault))? {
+                    let [name, value] = at.map(|at| &text[begin + 1..end][at]);
+                    if !element.has(name) {
+                        // What is no entity is meant as it stands.
+                        let plain = unescape(value).ok().filter(|plain| !plain.contains(is_control));
+                        element.set(name, plain.unwrap_or(value.into()));
+                    }
                 }
+                let names = element.attributes.iter().map(|(name, _)| name).chain([&element.name]);
+                if let Some(odd) = { names }.find(|name| !is_name(name)) {
+                    return Err(malformed(begin, &format!("{odd:?} is no name")));
+                }
+                open.push(element);
             }
+            Event::Comment(_) => comments.push(text[begin + "<!--".len()..end - "-->".len()].to_string()),
+            Event::Eof => break,
+            _ => {}
         }
-        let text = String::from_utf8(bytes).unwrap_or_else(|_| text.into());
-        Tolerant { text, root, unclosed: open.pop(), too_deep }
-    }
-}
-
-fn blank(bytes: &mut [u8]) {
-    bytes.iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
-}
-
-/// Writes over what is in a tag; where it ends.
-fn tag(text: &str, begin: usize, bytes: &mut [u8]) -> usize {
-    let mut quote = None;
-    let mut names: Vec<&str> = Vec::new();
-    let mut name_from = None;
-    for (i, byte) in text.bytes().enumerate().skip(begin + 1) {
-        match (quote, byte) {
-            (Some(mark), _) if mark == byte => quote = None,
-            (Some(_), b'<') => bytes[i] = b'_',
-            (Some(_), b'&') if !is_entity(&text[i..]) => bytes[i] = b'_',
-            (Some(_), _) => {}
-            (None, b'"' | b'\'') => quote = Some(byte),
-            (None, b'>') => return i + 1,
-            (None, b':') => bytes[i] = b'_',
-            (None, b'=') => {
-                let from = name_from.take().unwrap_or(i);
-                let name = text[from..i].trim_end();
-                if names.contains(&name) {
-                    bytes[from] = b'_';
-                }
-                names.push(name);
-            }
-            (None, _) if byte.is_ascii_whitespace() => {}
-            (None, _) => {
-                let begins =
-                    text.as_bytes()[i - 1].is_ascii_whitespace() || b"\"'".contains(&text.as_bytes()[i - 1]);
-                if begins {
-                    name_from = Some(i);
-                }
+        if open.len() > GREATEST_DEPTH {
+            let message = format!(
+                "its elements lie deeper than {GREATEST_DEPTH} in each other; give a chain of fewer bodies"
+            );
+            return Err(refused(begin, message));
+        }
+        if let Some(mut element) = open.pop_if(|_| closes) {
+            element.last_comments = std::mem::take(&mut comments);
+            element.place.iter_mut().for_each(|place| place.end = end);
+            match open.last_mut() {
+                Some(parent) => parent.children.push(element),
+                None => root = Some(element),
             }
         }
     }
-    text.len()
+    if let Some((unclosed, place)) = open.last().and_then(|open| Some((open, open.place.as_ref()?))) {
+        return Err(malformed(place.at, &format!("<{}> is not closed", unclosed.name)));
+    }
+    let mut root = root.ok_or_else(|| Refused::file(path, NO_XML))?;
+    root.comments.extend(comments);
+    Ok(root)
 }
 
-/// Whether a text begins with an entity that XML has.
-fn is_entity(text: &str) -> bool {
-    let Some((name, _)) = text[1..].split_once(';') else { return false };
-    let code = name.strip_prefix('#').map(|code| match code.strip_prefix('x') {
-        Some(digits) => u32::from_str_radix(digits, 16),
-        None => code.parse(),
-    });
-    match code {
-        Some(code) => code.is_ok_and(|code| char::from_u32(code).is_some_and(|mark| mark >= ' ')),
-        None => ["amp", "lt", "gt", "quot", "apos"].contains(&name),
+/// Whether an element or an attribute can be called so.
+fn is_name(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_alphabetic() || "_:".contains(first))
+        && !name.contains(|mark: char| "<&'\"/;".contains(mark))
+}
+
+fn newlines(text: &str) -> usize {
+    text.bytes().filter(|byte| *byte == b'\n').count()
+}
+
+/// A reader that takes as text what begins as an entity and is none.
+fn reader(text: &str) -> Reader<&[u8]> {
+    let mut reader = Reader::from_str(text);
+    reader.config_mut().allow_dangling_amp = true;
+    reader
+}
+
+/// The first tag of a text that begins at a byte; where it ends.
+pub(super) fn first_tag(text: &str, at: usize) -> Option<(BytesStart<'_>, usize)> {
+    let mut reader = reader(text.get(at..)?);
+    loop {
+        match reader.read_event() {
+            Ok(Event::Start(tag) | Event::Empty(tag)) => {
+                return Some((tag, at + reader.buffer_position() as usize));
+            }
+            Ok(Event::Eof) | Err(_) => return None,
+            Ok(_) => {}
+        }
     }
+}
+
+/// Where in a tag, from behind its bracket on, each attribute's name and its value without quotes are.
+pub(super) fn attributes(tag: &BytesStart) -> Result<Vec<[Range<usize>; 2]>, String> {
+    let at = |part: &[u8]| {
+        let from = part.as_ptr() as usize - tag.as_ptr() as usize;
+        from..from + part.len()
+    };
+    let mut all = tag.attributes();
+    let places = all.with_checks(false).map(|own| own.map(|own| [at(own.key.as_ref()), at(&own.value)]));
+    places.collect::<Result<_, _>>().map_err(|fault| fault.to_string())
 }

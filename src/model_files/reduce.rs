@@ -14,51 +14,25 @@ use super::mesh_files::{fault, kind, mesh_name, take_corners};
 use super::references::{Name, names, stands};
 use super::schema::Schema;
 use super::source::{Refused, Source};
-use super::tree::{Element, element};
+use super::tree::{Element, element, is_of};
 use crate::named::did_you_mean;
 
 /// Settings of the compiler that every file in plain terms has alike, or that speak of what is left out.
-const SETTLED: [&str; 7] =
-    ["meshdir", "assetdir", "texturedir", "strippath", "angle", "eulerseq", "autolimits"];
+const SETTLED: &str = "meshdir assetdir texturedir strippath angle eulerseq autolimits";
 /// What of the physics is kept.
-const PHYSICS: [&str; 5] = ["timestep", "gravity", "wind", "density", "viscosity"];
+const PHYSICS: &str = "timestep gravity wind density viscosity";
 /// The sections that are put in plain terms, or of which something is kept.
-const READ: [&str; 9] =
-    ["compiler", "option", "default", "asset", "worldbody", "contact", "equality", "custom", "sensor"];
+const READ: &str = "compiler option default asset worldbody contact equality custom sensor";
 /// What is of the world and what is in it.
-const OF_BODIES: [&str; 10] =
-    ["body", "geom", "site", "joint", "freejoint", "inertial", "frame", "replicate", "attach", "composite"];
-/// Sections that may hold parts of bodies.
-const BODILY: [&str; 1] = ["deformable"];
+const OF_BODIES: &str = "body geom site joint freejoint inertial frame replicate attach composite";
+/// The section that may hold parts of bodies.
+const BODILY: &str = "deformable";
 /// Attributes of newer engines that change nothing of where limbs are and what they can touch.
-const NEWER: [&str; 24] = [
-    "actuatorfrclimited",
-    "actuatorfrcrange",
-    "actuatorgravcomp",
-    "adhesion",
-    "align",
-    "castshadow",
-    "content_type",
-    "delay",
-    "fuse",
-    "gravcomp",
-    "group",
-    "inertia",
-    "interp",
-    "interval",
-    "material",
-    "maxhullvert",
-    "nsample",
-    "params",
-    "simple",
-    "sleep",
-    "smoothnormal",
-    "springyield",
-    "surfacevel",
-    "user",
-];
+const NEWER: &str = "actuatorfrclimited actuatorfrcrange actuatorgravcomp adhesion align castshadow content_type delay fuse gravcomp \
+                     group inertia interp interval material maxhullvert nsample params simple sleep smoothnormal springyield \
+                     surfacevel user";
 /// The shapes of geoms that limbs can have.
-const SHAPES: [&str; 7] = ["plane", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"];
+const SHAPES: &str = "plane sphere capsule ellipsoid cylinder box mesh";
 
 /// A model in plain terms.
 pub(crate) struct Reduced {
@@ -77,17 +51,13 @@ impl Reduced {
         let schema = Schema::parse(schema);
         let mut left_out = LeftOut::default();
         let sections = || source.root.children.iter();
-        for section in sections().filter(|section| !READ.contains(&section.name.as_str())) {
+        for section in sections().filter(|section| !is_of(READ, &section.name)) {
             let what = format!("<{}>", section.name);
-            if OF_BODIES.contains(&section.name.as_str()) {
+            if is_of(OF_BODIES, &section.name) {
                 let message = format!("{} stands outside of <worldbody>; put it there", section.title());
                 return Err(source.refused(section, message));
             }
-            if BODILY.contains(&section.name.as_str()) {
-                left_out.lose(what, 1)
-            } else {
-                left_out.spare(what)
-            }
+            if is_of(BODILY, &section.name) { left_out.lose(what, 1) } else { left_out.spare(what) }
         }
         for asset in sections().filter(|e| e.name == "asset").flat_map(|e| &e.children) {
             if !matches!(asset.name.as_str(), "mesh" | "model") {
@@ -108,9 +78,9 @@ impl Reduced {
                 _ => {}
             }
             for (name, value) in &section.attributes {
-                if section.name == "compiler" && !SETTLED.contains(&name.as_str()) {
+                if section.name == "compiler" && !is_of(SETTLED, name) {
                     compiler.set(name, value);
-                } else if section.name == "option" && PHYSICS.contains(&name.as_str()) {
+                } else if section.name == "option" && is_of(PHYSICS, name) {
                     option.set(name, value);
                 }
             }
@@ -168,7 +138,7 @@ impl Reduced {
         left_out.lose("geom whose mesh is not there", gone);
         let shapes = root.descendants().filter(|e| e.name == "geom").filter_map(|e| e.get("type"));
         let others: BTreeSet<String> =
-            shapes.filter(|shape| !SHAPES.contains(shape)).map(str::to_string).collect();
+            shapes.filter(|shape| !is_of(SHAPES, shape)).map(str::to_string).collect();
         for shape in others {
             let gone = root.remove_all(&|e| e.name == "geom" && e.get("type") == Some(&shape));
             // Height fields are ground, and not of a body.
@@ -241,7 +211,7 @@ fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftO
     let name = one.name.clone();
     one.attributes.retain(|(attribute, _)| {
         let kept = attribute != "user" && schema.knows(section, &name, attribute);
-        let of_body = section == "worldbody" && !NEWER.contains(&attribute.as_str());
+        let of_body = section == "worldbody" && !is_of(NEWER, attribute);
         match attribute.as_str() {
             "user" => {}
             _ if kept => {}

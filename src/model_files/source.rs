@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::parse::{Tolerant, name_at, parse};
-use super::tree::{Element, Place};
-use crate::mujoco::Error;
+use super::parse::{first_tag, parse};
+use super::tree::Element;
 
 /// Greatest bytes of an XML file; what is large in a model lies in its meshes.
 const GREATEST_FILE: u64 = 256 << 20;
@@ -12,42 +11,19 @@ const GREATEST_FILE: u64 = 256 << 20;
 const GREATEST_INCLUSION: usize = 1000;
 
 /// Why a file cannot be read: a clause with its mend, and where it applies.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Refused {
-    /// The file.
-    pub path: PathBuf,
-    /// The line in it, counted from 1; `None` for the whole file.
-    pub line: Option<usize>,
-    /// What is wrong, and what to do about it.
-    pub message: String,
-}
+pub(crate) use crate::mujoco::Error as Refused;
 
 impl Refused {
     /// A refusal of a whole file.
-    pub fn file(path: &Path, message: impl Into<String>) -> Refused {
-        Refused { path: path.to_path_buf(), line: None, message: message.into() }
+    pub(crate) fn file(path: &Path, message: impl Into<String>) -> Refused {
+        Refused::Read { path: path.to_path_buf(), line: None, message: message.into() }
     }
 
     /// A refusal of what an element says; of `path` where the element is of no file.
-    pub fn of(element: &Element, path: &Path, message: impl Into<String>) -> Refused {
-        match &element.place {
-            Some(Place { file, line, .. }) => {
-                Refused { path: file.to_path_buf(), line: Some(*line), message: message.into() }
-            }
-            None => Refused::file(path, message),
-        }
-    }
-}
-
-impl From<Refused> for crate::error::Error {
-    fn from(refused: Refused) -> crate::error::Error {
-        Error::from(refused).into()
-    }
-}
-
-impl From<Refused> for Error {
-    fn from(Refused { path, line, message }: Refused) -> Error {
-        Error::Read { path, line, message }
+    pub(crate) fn of(element: &Element, path: &Path, message: impl Into<String>) -> Refused {
+        let place = element.place.as_ref();
+        let path = place.map_or(path, |place| &place.file).to_path_buf();
+        Refused::Read { path, line: place.map(|place| place.line), message: message.into() }
     }
 }
 
@@ -113,9 +89,8 @@ pub(crate) fn first_letter(bytes: &[u8]) -> Option<u8> {
 
 /// Whether the first element of a file has a name.
 pub(crate) fn begins_as(bytes: &[u8], name: &str) -> bool {
-    let text = text_from(bytes);
     first_letter(bytes) == Some(b'<')
-        && Tolerant::new(&text).root.is_some_and(|root| name_at(&text, root) == name)
+        && first_tag(&text_from(bytes), 0).is_some_and(|(tag, _)| tag.name().as_ref() == name.as_bytes())
 }
 
 /// A path with the separators of this system, wherever it was written.

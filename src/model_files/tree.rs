@@ -14,6 +14,8 @@ pub(crate) struct Place {
     pub line: usize,
     /// The byte at which the element begins.
     pub at: usize,
+    /// The byte behind it.
+    pub end: usize,
 }
 
 /// An element.
@@ -160,4 +162,9 @@ impl Element {
 /// The numbers in a text; what is none ends them.
 pub(super) fn numbers(text: &str) -> Vec<f64> {
     text.split_whitespace().map_while(|number| number.parse().ok()).collect()
+}
+
+/// Whether a word is one of those in a text.
+pub(super) fn is_of(words: &str, word: &str) -> bool {
+    words.split(' ').any(|other| other == word)
 }

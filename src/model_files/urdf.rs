@@ -150,43 +150,33 @@ impl Parts<'_> {
     }
 
     /// The geom of a `<collision>` or `<visual>`; none where it has a shape that cannot be read.
-    fn geom(&mut self, described: &Element) -> Result<Option<Element>, Refused> {
+    fn geom(&mut self, link: &str, described: &Element) -> Result<Option<Element>, Refused> {
         let shape = described.child("geometry").and_then(|e| e.children.first());
         let Some(shape) = shape else {
             self.left_out.lose(format!("<{}> without geometry", described.name), 1);
             return Ok(None);
         };
-        let lengths = |name: &str| {
-            let lengths = Some(shape.numbers(name)).filter(|lengths| !lengths.is_empty());
-            lengths.filter(|lengths| lengths.iter().all(|&length| length > 0.0)).ok_or_else(|| {
-                let message = format!("<{}> needs {name}=\"…\" of numbers above 0; give it that", shape.name);
-                self.source.refused(shape, message)
-            })
-        };
-        let round = || Ok::<_, Refused>(vec![lengths("radius")?[0], 0.5 * lengths("length")?[0]]);
-        let (kind, size) = match shape.name.as_str() {
-            "box" => ("box", lengths("size")?.into_iter().map(|size| 0.5 * size).collect()),
-            "sphere" => ("sphere", lengths("radius")?),
-            "cylinder" => ("cylinder", round()?),
-            "capsule" => ("capsule", round()?),
-            "mesh" => {
+        let geom = match (shape.name.as_str(), self.tree.shape(link, shape)?.and_then(|shape| shape.mjcf())) {
+            ("mesh", _) => {
                 let Some(mesh) = self.mesh(shape)? else { return Ok(None) };
-                let geom = element("geom", &[("type", "mesh".into()), ("mesh", mesh)]);
-                return Ok(Some(placed(geom, described)));
+                element("geom", &[("type", "mesh".into()), ("mesh", mesh)])
             }
-            other => {
+            (_, Some((kind, size))) => element("geom", &[("type", kind.into()), ("size", exact(&size))]),
+            (other, None) => {
                 self.left_out.lose(format!("geometry <{other}>"), 1);
                 return Ok(None);
             }
         };
-        Ok(Some(placed(element("geom", &[("type", kind.into()), ("size", exact(&size))]), described)))
+        let mut geom = geom.placed_as(described);
+        set_pose(&mut geom, &origin(described));
+        Ok(Some(geom))
     }
 
     /// The geoms of all descriptions of a kind.
     fn geoms(&mut self, link: &Element, kind: &str) -> Result<Vec<Element>, Refused> {
         let mut geoms = Vec::new();
         for described in link.children.iter().filter(|e| e.name == kind) {
-            geoms.extend(self.geom(described)?);
+            geoms.extend(self.geom(link.get("name").unwrap_or_default(), described)?);
         }
         Ok(geoms)
     }
@@ -223,13 +213,6 @@ impl Parts<'_> {
 fn origin(of: &Element) -> Isometry3<f64> {
     let Origin { place, turns: [roll, pitch, yaw] } = Origin::of(of);
     Isometry3::from_parts(Translation3::from(place), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
-}
-
-/// A geom where its description has it.
-fn placed(mut geom: Element, described: &Element) -> Element {
-    geom.place.clone_from(&described.place);
-    set_pose(&mut geom, &origin(described));
-    geom
 }
 
 /// The mass and inertia of a link, where they are those of a body that there can be.

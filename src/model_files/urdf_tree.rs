@@ -9,6 +9,7 @@ use super::tree::Element;
 use super::urdf_names::{attribute_meant, element_meant, is_known};
 
 use crate::creature::UNLIMITED_SLIDE;
+use crate::geometry::{Frame, Shape};
 use crate::plausible::bounded;
 
 /// Greatest angle of a roll, pitch or yaw that is taken for radians: a turn, and what rounding puts on top of it.
@@ -62,6 +63,11 @@ impl Origin {
     pub fn rotation(&self) -> Matrix3<f64> {
         let [roll, pitch, yaw] = self.turns;
         Rotation3::from_euler_angles(roll, pitch, yaw).into_inner()
+    }
+
+    /// The pose that it is.
+    pub fn frame(&self) -> Frame {
+        Frame { rotation: self.rotation(), origin: self.place }
     }
 }
 
@@ -156,6 +162,34 @@ impl<'a> UrdfTree<'a> {
     /// A link's element.
     pub fn link(&self, name: &str) -> Option<&'a Element> {
         self.links.iter().find(|(other, _)| *other == name).map(|(_, link)| *link)
+    }
+
+    /// What a shape of a link is, metres; `None` for a mesh and what is none of URDF.
+    ///
+    /// # Errors
+    /// Where a length is not above 0.
+    pub fn shape(&self, link: &str, described: &Element) -> Result<Option<Shape>, Refused> {
+        let lengths = |name: &str| {
+            let lengths = Some(described.numbers(name)).filter(|lengths| !lengths.is_empty());
+            lengths.filter(|lengths| lengths.iter().all(|&length| length > 0.0)).ok_or_else(|| {
+                let title = &described.name;
+                let message = format!(
+                    "<{title}> of link {link} needs {name}=\"…\" above 0; give it metres, numbers above 0"
+                );
+                self.source.refused(described, message)
+            })
+        };
+        let round = || Ok::<_, Refused>((lengths("radius")?[0], 0.5 * lengths("length")?[0]));
+        Ok(Some(match described.name.as_str() {
+            "box" => {
+                let size = lengths("size")?;
+                Shape::Box { half_extents: [0, 1, 2].map(|i| 0.5 * size[i.min(size.len() - 1)]) }
+            }
+            "sphere" => Shape::Sphere { radius: lengths("radius")?[0] },
+            "cylinder" => round().map(|(radius, half_length)| Shape::Cylinder { radius, half_length })?,
+            "capsule" => round().map(|(radius, half_length)| Shape::Capsule { radius, half_length })?,
+            _ => return Ok(None),
+        }))
     }
 
     /// The joints that a link carries.

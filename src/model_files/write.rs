@@ -1,15 +1,11 @@
 //! Writing a tree as XML: an element a line, so that a line shows which element it is.
 
+pub(crate) use quick_xml::escape::escape;
+
 use super::tree::Element;
 
 /// Elements lie in each other at most so deep in one text: MuJoCo's XML reader takes 100 levels.
 const DEEPEST: usize = 80;
-
-/// A text with entities for the marks of XML.
-pub(crate) fn escape(text: &str) -> String {
-    let marks = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\"", "&quot;"), ("'", "&apos;")];
-    marks.iter().fold(text.to_string(), |text, (mark, entity)| text.replace(mark, entity))
-}
 
 /// Numbers to the last digit: they read back as the very same.
 pub(crate) fn exact<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
@@ -19,26 +15,7 @@ pub(crate) fn exact<'a>(values: impl IntoIterator<Item = &'a f64>) -> String {
 
 /// The text of a file, indented by two spaces.
 pub(crate) fn write(root: &Element) -> String {
-    let mut text = String::new();
-    element(root, 0, &mut text);
-    text
-}
-
-fn element(one: &Element, depth: usize, text: &mut String) {
-    comments(&one.comments, depth, text);
-    let indent = "  ".repeat(depth);
-    text.push_str(&format!("{indent}{}", start(one)));
-    if one.children.is_empty() && one.last_comments.is_empty() {
-        return text.push_str("/>\n");
-    }
-    text.push_str(">\n");
-    one.children.iter().for_each(|child| element(child, depth + 1, text));
-    comments(&one.last_comments, depth + 1, text);
-    text.push_str(&format!("{indent}</{}>\n", one.name));
-}
-
-fn comments(all: &[String], depth: usize, text: &mut String) {
-    all.iter().for_each(|words| text.push_str(&format!("{}<!--{words}-->\n", "  ".repeat(depth))));
+    Texts::up_to(usize::MAX, root, "").texts.swap_remove(0).1
 }
 
 /// A start tag without its end.
@@ -57,13 +34,19 @@ pub(crate) struct Texts {
     /// Which element, in the order of the tree, starts in each line of the first text.
     lines: Vec<Option<usize>>,
     elements: usize,
+    /// How deep elements may lie in each other in one text.
+    deepest: usize,
 }
 
 impl Texts {
     /// Writes a tree; `name` is that of the first text.
     pub fn new(root: &Element, name: &str) -> Texts {
-        let mut texts =
-            Texts { texts: vec![(name.to_string(), String::new())], lines: Vec::new(), elements: 0 };
+        Texts::up_to(DEEPEST, root, name)
+    }
+
+    fn up_to(deepest: usize, root: &Element, name: &str) -> Texts {
+        let texts = vec![(name.to_string(), String::new())];
+        let mut texts = Texts { texts, lines: Vec::new(), elements: 0, deepest };
         texts.element(root, 0, 0);
         texts
     }
@@ -73,32 +56,37 @@ impl Texts {
         *self.lines.get(line.checked_sub(1)?)?
     }
 
-    fn push(&mut self, text: usize, words: &str, element: Option<usize>) {
-        self.texts[text].1.push_str(words);
+    /// Writes words in lines of their own into a text.
+    fn push(&mut self, [depth, text]: [usize; 2], words: &str, element: Option<usize>) {
+        let into = &mut self.texts[text].1;
+        (0..depth).for_each(|_| into.push_str("  "));
+        into.extend([words, "\n"]);
         if text == 0 {
-            self.lines.push(element);
+            self.lines.extend(words.split('\n').map(|_| element));
         }
     }
 
     fn element(&mut self, one: &Element, depth: usize, text: usize) {
-        let number = self.elements;
-        if depth > DEEPEST {
+        let (at, number) = ([depth, text], Some(self.elements));
+        if depth > self.deepest {
             let part = self.texts.len();
             let name = format!("part{part}.xml");
-            self.push(text, &format!("<include file=\"{name}\"/>\n"), Some(number));
+            self.push(at, &format!("<include file=\"{name}\"/>"), number);
             self.texts.push((name, "<mujocoinclude>\n".into()));
             self.element(one, 1, part);
-            self.texts[part].1.push_str("</mujocoinclude>\n");
-            return;
+            return self.push([0, part], "</mujocoinclude>", None);
         }
         self.elements += 1;
+        one.comments.iter().for_each(|words| self.push(at, &format!("<!--{words}-->"), None));
         let tag = start(one);
-        if one.children.is_empty() {
-            return self.push(text, &format!("{tag}/>\n"), Some(number));
+        if one.children.is_empty() && one.last_comments.is_empty() {
+            return self.push(at, &format!("{tag}/>"), number);
         }
-        self.push(text, &format!("{tag}>\n"), Some(number));
+        self.push(at, &format!("{tag}>"), number);
         one.children.iter().for_each(|child| self.element(child, depth + 1, text));
-        self.push(text, &format!("</{}>\n", one.name), None);
+        let inside = [depth + 1, text];
+        one.last_comments.iter().for_each(|words| self.push(inside, &format!("<!--{words}-->"), None));
+        self.push(at, &format!("</{}>", one.name), None);
     }
 }
 

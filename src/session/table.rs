@@ -81,7 +81,7 @@ const SEPARATORS: [char; 6] = [' ', '_', '-', '.', '/', ','];
 const BRACKETS: [(char, char); 4] = [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')];
 
 /// The unit of a word, in any spelling.
-fn unit(word: &str) -> Option<Unit> {
+pub(crate) fn unit(word: &str) -> Option<Unit> {
     let word = word.trim().trim_end_matches('.').to_lowercase();
     let (_, measure, per) = *UNITS.iter().find(|(words, ..)| words.contains(&word.as_str()))?;
     Some(Unit { measure, per })

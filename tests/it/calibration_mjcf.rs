@@ -224,6 +224,29 @@ fn only_the_numbers_that_changed_are_written() {
 }
 
 #[test]
+fn several_things_are_added_to_a_body_that_holds_nothing() {
+    let place = Place::new();
+    place.write(
+        "odd.xml",
+        &ODD.replace("<joint name=\"finger\"/>", "<joint name=\"finger\"/><body name=\"nail\"/>"),
+    );
+    let path = place.path("odd.xml");
+    let mut file = read_robot(&path).unwrap();
+    let nail = file.robot.link("nail").unwrap();
+    file.robot.add_place("tip", nail, Vector3::z());
+    for pattern in ["nail.mount.position", "tip.position"] {
+        file.robot.set_knowledge(pattern, Knowledge::Free).unwrap();
+    }
+    let mut values = file.robot.nominal();
+    values[file.robot.quantity("nail.mount.position").unwrap()] = Value::Position(Vector3::x());
+    let text = String::from_utf8(file.with_values(&path, &values).unwrap().bytes).unwrap();
+    let [mount, tip] = ["<body name=\"nail.mount\" pos=\"1 0 0\"", "<body name=\"tip\" pos=\"0 0 1\""];
+    assert!(text.contains(mount) && text.contains(tip) && text.contains("</body>"), "{text}");
+    place.write("odd.xml", &text);
+    assert!(read_robot(&path).unwrap().robot.link("tip").is_some());
+}
+
+#[test]
 fn numbers_without_a_place_in_the_file_are_told() {
     let place = Place::new();
     place.write("odd.xml", ODD);

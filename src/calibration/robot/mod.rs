@@ -233,10 +233,12 @@ impl Robot {
 
     /// Degrees of freedom that have coordinates of their own: what mimics another has that one's.
     pub fn leaders(&self) -> impl Iterator<Item = &RobotDof> {
-        let first = |(i, dof): &(usize, &RobotDof)| {
-            self.dofs[..*i].iter().all(|other| other.coordinate != dof.coordinate)
-        };
-        self.dofs.iter().enumerate().filter(first).map(|(_, dof)| dof)
+        (0..self.dofs.len()).filter(|dof| self.leads(*dof)).map(|dof| &self.dofs[dof])
+    }
+
+    /// Whether a degree of freedom has a coordinate of its own.
+    pub fn leads(&self, dof: usize) -> bool {
+        self.dofs[..dof].iter().all(|other| other.coordinate != self.dofs[dof].coordinate)
     }
 
     /// Whether a degree of freedom moves one of two links and not the other.

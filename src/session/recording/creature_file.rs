@@ -65,16 +65,10 @@ fn parse(mut file: Value) -> Result<CreatureFile, String> {
     let seed = file.get("seed").and_then(Value::as_u64);
     let take = |file: &mut Value, field: &str| file.as_object_mut().and_then(|file| file.remove(field));
     let skin = take(&mut file, "skin").filter(|skin| !skin.is_null());
-    let (mut creature, at) = match take(&mut file, "creature") {
-        Some(creature) => (creature, "creature."),
-        None => (file, ""),
+    let (creature, names) = match take(&mut file, "creature") {
+        Some(creature) => named_creature(creature, "creature.")?,
+        None => named_creature(file, "")?,
     };
-    let mut names = Names::of(&creature)?;
-    names.resolve_creature(&mut creature, at)?;
-    let creature: Creature = typed(creature, at)?;
-    if let Some(slide) = names.endless {
-        return Err(format!("{slide} is a slide and has no range: give its ends in metres"));
-    }
     let mut skin = skin.unwrap_or(json!({ "receptors": [] }));
     for list in ["receptors", "surfaces"] {
         names.resolve_limbs(&mut skin, list, "limb", "skin.")?;
@@ -83,8 +77,24 @@ fn parse(mut file: Value) -> Result<CreatureFile, String> {
     Ok(CreatureFile { agent, seed })
 }
 
+/// The creature of a description that is nothing else.
+pub(in crate::session) fn creature_of(description: Value) -> Result<Creature, String> {
+    named_creature(description, "").map(|(creature, _)| creature)
+}
+
+/// The creature of a description, and its names; `at` is before all places in messages.
+fn named_creature(mut description: Value, at: &str) -> Result<(Creature, Names), String> {
+    let mut names = Names::of(&description)?;
+    names.resolve_creature(&mut description, at)?;
+    let creature = typed(description, at)?;
+    match &names.endless {
+        Some(slide) => Err(format!("{slide} is a slide and has no range: give its ends in metres")),
+        None => Ok((creature, names)),
+    }
+}
+
 /// A value as a type, an error with the place.
-fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
+pub(in crate::session) fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
         let place = format!("{at}{}", if path == "." { "" } else { &path });
@@ -96,7 +106,7 @@ fn typed<T: DeserializeOwned>(value: Value, at: &str) -> Result<T, String> {
 }
 
 /// What is in a field that holds a list; nothing if it holds none, which the type of the whole complains of.
-fn list<'v>(value: &'v mut Value, field: &str) -> impl Iterator<Item = &'v mut Value> {
+pub(in crate::session) fn list<'v>(value: &'v mut Value, field: &str) -> impl Iterator<Item = &'v mut Value> {
     value.get_mut(field).and_then(Value::as_array_mut).into_iter().flatten()
 }
 

@@ -13,6 +13,7 @@ use csv::StringRecord;
 use nalgebra::Vector3;
 
 pub use creature_file::{CreatureFile, read_creature};
+pub(super) use creature_file::{creature_of, list, typed};
 
 use super::table::{CellFault, LIMBS, Measure, POINTS, RECEPTORS, Table, read_table};
 use super::touch_columns::{TouchColumns, coordinate_columns, left_out_in_words};

@@ -19,7 +19,7 @@ use std::path::Path;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use super::writing::{Written, unsaid_compliance, unsaid_gain};
+use super::{Written, unsaid_of_encoder};
 use crate::calibration::robot::{Element, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::error::Error;
@@ -58,8 +58,7 @@ type Fault = (usize, String);
 pub fn read_dh(path: &Path, bytes: &[u8]) -> Result<Robot, Error> {
     let table = DhTable::read(path, bytes)?;
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("robot");
-    let robot = joints(&table).and_then(|joints| robot(name, &joints));
-    robot.map_err(|(line, message)| Error::content(path, Some(line), message))
+    robot(name, &table).map_err(|(line, message)| Error::content(path, Some(line), message))
 }
 
 /// The table `original`, which `robot` was read from, in its own columns and units, with `values` in the place of the numbers
@@ -254,53 +253,32 @@ impl DhTable {
     }
 }
 
-/// A joint of a table.
-struct DhJoint<'a> {
-    line: usize,
-    name: &'a str,
-    link: String,
-    /// A link or a joint.
-    parent: Option<&'a str>,
-    /// None where it does not move.
-    kind: Option<DofKind>,
-    /// Where its numbers come in the product.
-    order: [usize; 5],
-    /// In the order of [`NUMBERS`], metres and radians.
-    numbers: [f64; 5],
-    range: [f64; 2],
-}
-
-/// The joints of a table.
-fn joints(table: &DhTable) -> Result<Vec<DhJoint<'_>>, Fault> {
-    let mut order = CONVENTIONS[0].1;
-    let mut joints: Vec<DhJoint> = Vec::new();
+/// The robot of a table's joints.
+fn robot(name: &str, table: &DhTable) -> Result<Robot, Fault> {
+    let mut robot = Robot::new(name, BASE);
+    let (mut above, mut order) = (Vec::new(), CONVENTIONS[0].1);
     for (line, row) in &table.table.rows {
-        let joint = joint(table, *line, row, &mut order).map_err(|message| (*line, message))?;
-        let twice = |what: &str, name: &str| Err((*line, format!("there are two {what} {name}: rename one")));
-        if joints.iter().any(|other| other.name == joint.name) {
-            return twice("joints", joint.name);
-        }
-        if joint.link == BASE || joints.iter().any(|other| other.link == joint.link) {
-            return twice("links", &joint.link);
-        }
-        joints.push(joint);
+        add_joint(&mut robot, table, row, &mut above, &mut order).map_err(|message| (*line, message))?;
     }
-    Ok(joints)
+    Ok(robot)
 }
 
-/// The joint of a row; the convention stays until a row names another.
-fn joint<'a>(
+/// Adds the joint of a row and the link that it carries; `above` are those of the rows above, and the convention `order` stays
+/// until a row names another.
+fn add_joint<'a>(
+    robot: &mut Robot,
     table: &'a DhTable,
-    line: usize,
     row: &'a StringRecord,
+    above: &mut Vec<(&'a str, String)>,
     order: &mut [usize; 5],
-) -> Result<DhJoint<'a>, String> {
+) -> Result<(), String> {
     let text = |column: &str| table.text(row, column);
     let name = text("joint").ok_or("the joint has no name: give it one")?;
-    let kind = match text("kind").map(str::to_lowercase).as_deref() {
-        None | Some("hinge" | "revolute" | "r") => Some(DofKind::Hinge),
-        Some("slide" | "prismatic" | "p") => Some(DofKind::Slide),
-        Some("fixed") => None,
+    let link = text("link").map_or_else(|| format!("{name}_link"), str::to_string);
+    let (kind, moved) = match text("kind").map(str::to_lowercase).as_deref() {
+        None | Some("hinge" | "revolute" | "r") => (Some(DofKind::Hinge), "theta"),
+        Some("slide" | "prismatic" | "p") => (Some(DofKind::Slide), "d"),
+        Some("fixed") => (None, ""),
         Some(other) => {
             return Err(format!("joint {name} is of the kind \"{other}\": give hinge, slide or fixed"));
         }
@@ -319,8 +297,45 @@ fn joint<'a>(
         }
     }
     let range = kind.map_or(Ok([0.0; 2]), |kind| range(table, row, name, kind))?;
-    let link = text("link").map_or_else(|| format!("{name}_link"), str::to_string);
-    Ok(DhJoint { line, name, link, parent: text("parent"), kind, order: *order, numbers, range })
+    if above.iter().any(|(other, _)| *other == name) {
+        return Err(format!("there are two joints {name}: rename one"));
+    }
+    if robot.link(&link).is_some() {
+        return Err(format!("there are two links {link}: rename one"));
+    }
+    let parent = match text("parent") {
+        None => robot.links.len() - 1,
+        Some(parent) => {
+            let by_joint = || above.iter().find(|(other, _)| *other == parent);
+            let found = robot.link(parent).or_else(|| robot.link(&by_joint()?.1));
+            found.ok_or_else(|| {
+                format!(
+                    "joint {name} hangs on {parent}, which is neither a joint nor a link of a row above: correct it, move its \
+                     row up, or give {BASE}"
+                )
+            })?
+        }
+    };
+    let dof = kind.map(|kind| robot.add_dof(name, kind, range, Vector3::z()));
+    let elements = NUMBERS.into_iter().zip(numbers).map(|((column, measure, axis), number)| {
+        let called = format!("{name}.{column}");
+        let dof = dof.filter(|_| moved == column);
+        if let Some((dof, q)) = dof.and_then(|dof| Some((dof, robot.dofs[dof].quantities?))) {
+            robot.quantities[q.offset].name = called;
+            robot.quantities[q.offset].nominal = Value::Number(number);
+            return Element::Dof(dof);
+        }
+        let unit = if measure == Measure::Length { Unit::Metre } else { Unit::Radian };
+        let quantity = robot.add_quantity(called, unit, Value::Number(number));
+        match measure {
+            Measure::Length => Element::ShiftAlong(axis, quantity),
+            Measure::Angle => Element::TurnAbout(axis, quantity),
+        }
+    });
+    let elements: Vec<Element> = elements.collect();
+    robot.add_link(link.clone(), parent, order.iter().map(|&place| elements[place]).collect());
+    above.push((name, link));
+    Ok(())
 }
 
 /// Least and greatest coordinate of a joint that moves.
@@ -349,57 +364,6 @@ fn range(table: &DhTable, row: &StringRecord, name: &str, kind: DofKind) -> Resu
         true => Ok(range),
         false => Err(format!("the range of joint {name} leaves it no room: give a min below the max")),
     }
-}
-
-/// The robot of a table's joints.
-fn robot(name: &str, joints: &[DhJoint]) -> Result<Robot, Fault> {
-    let mut robot = Robot::new(name, BASE);
-    for (i, joint) in joints.iter().enumerate() {
-        let above = &joints[..i];
-        let parent = match joint.parent {
-            None => above.last().map_or(BASE, |before| &before.link),
-            Some(BASE) => BASE,
-            Some(parent) => {
-                let by_link = above.iter().find(|other| other.link == parent);
-                let found = by_link.or_else(|| above.iter().find(|other| other.name == parent));
-                let found = found.ok_or_else(|| {
-                    let message = format!(
-                        "joint {} hangs on {parent}, which is neither a joint nor a link of a row above: correct it, move \
-                         its row up, or give {BASE}",
-                        joint.name
-                    );
-                    (joint.line, message)
-                })?;
-                &found.link
-            }
-        };
-        let parent = robot.link(parent).unwrap_or_default();
-        add_joint(&mut robot, joint, parent);
-    }
-    Ok(robot)
-}
-
-fn add_joint(robot: &mut Robot, joint: &DhJoint, parent: usize) {
-    let DhJoint { name, kind, numbers, order, .. } = joint;
-    let dof = kind.map(|kind| robot.add_dof(name, kind, joint.range, Vector3::z()));
-    let moved = kind.map(|kind| if kind == DofKind::Slide { "d" } else { "theta" });
-    let elements = NUMBERS.into_iter().zip(numbers).map(|((column, measure, axis), number)| {
-        let called = format!("{name}.{column}");
-        let dof = dof.filter(|_| moved == Some(column));
-        if let Some((dof, q)) = dof.and_then(|dof| Some((dof, robot.dofs[dof].quantities?))) {
-            robot.quantities[q.offset].name = called;
-            robot.quantities[q.offset].nominal = Value::Number(*number);
-            return Element::Dof(dof);
-        }
-        let unit = if measure == Measure::Length { Unit::Metre } else { Unit::Radian };
-        let quantity = robot.add_quantity(called, unit, Value::Number(*number));
-        match measure {
-            Measure::Length => Element::ShiftAlong(axis, quantity),
-            Measure::Angle => Element::TurnAbout(axis, quantity),
-        }
-    });
-    let elements: Vec<Element> = elements.collect();
-    robot.add_link(joint.link.clone(), parent, order.iter().map(|&place| elements[place]).collect());
 }
 
 /// Radians as books print them: 90°, or a product with π such as -pi/2, 2*pi/3 or 1.5π.
@@ -443,8 +407,7 @@ fn unsaid(robot: &Robot, values: &[Value]) -> Vec<String> {
                 "sign of {name} (-1) cannot be said in {FORMAT}: take what its encoder reads the other way round"
             ));
         }
-        unsaid.extend(unsaid_gain(robot, values, dof, FORMAT));
-        unsaid.extend(unsaid_compliance(robot, values, dof, FORMAT));
+        unsaid.extend(unsaid_of_encoder(robot, values, dof, FORMAT));
         let aside = values[q.axis].distance(&robot.quantities[q.axis].nominal);
         if aside > 0.0 {
             unsaid.push(format!(

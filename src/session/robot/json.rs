@@ -5,82 +5,36 @@ use std::path::Path;
 
 use nalgebra::{Rotation3, Vector3};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
 
 use super::{RobotFile, RobotFormat, Written};
-use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Robot, Unit, Value};
-use crate::creature::{Creature, Dof, DofKind, Joint};
+use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Quantity, Robot, Unit, Value};
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
+use crate::model_files::{Edits, Origin};
 use crate::plausible::GREATEST_LENGTH;
+use crate::session::recording::{creature_of, list, typed};
+use crate::session::table::{self, Measure};
 
 /// Length of a direction at the most that is given without regard to it.
 const GREATEST_DIRECTION: f64 = 1e6;
-
-const PI: f64 = std::f64::consts::PI;
-
-/// The file, or the `creature` of a session.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RobotJson {
-    name: String,
-    limbs: Vec<String>,
-    joints: Vec<JointJson>,
-    #[serde(flatten)]
-    extras: Extras,
-    #[serde(default, rename = "aura_limbs")]
-    _aura_limbs: IgnoredAny,
-}
+/// The fields of [`Extras`].
+const EXTRAS: [&str; 9] =
+    ["frames", "points", "surfaces", "masses", "gravity", "values", "free", "fix", "prior"];
 
 /// What is on a robot, and what is known of it.
 #[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 struct Extras {
-    #[serde(default)]
     frames: Vec<FrameJson>,
-    #[serde(default)]
     points: Vec<PointJson>,
-    #[serde(default)]
     surfaces: Vec<SurfaceJson>,
-    #[serde(default)]
     masses: Vec<MassJson>,
     gravity: Option<[f64; 3]>,
-    #[serde(default)]
     values: BTreeMap<String, Numbers>,
-    #[serde(default)]
     free: Vec<String>,
-    #[serde(default)]
     fix: Vec<String>,
-    #[serde(default)]
     prior: BTreeMap<String, Deviation>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct JointJson {
-    name: String,
-    parent: NameOrIndex,
-    #[serde(default, rename = "limb")]
-    _limb: IgnoredAny,
-    position: Option<[f64; 3]>,
-    dofs: Vec<DofJson>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DofJson {
-    name: String,
-    kind: DofKind,
-    range: Option<[f64; 2]>,
-    axis: Option<[f64; 3]>,
-    #[serde(default, rename = "follows")]
-    _follows: IgnoredAny,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "a limb's name or its index")]
-enum NameOrIndex {
-    Name(String),
-    Index(usize),
 }
 
 /// A deviation: a number in the quantity's own unit, or a text with a unit.
@@ -158,72 +112,44 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<RobotFile, Error> {
     if let Some(creature) = value.get_mut("creature").map(serde_json::Value::take) {
         value = creature;
     }
-    let json: RobotJson = serde_path_to_error::deserialize(value).map_err(|error| {
-        let place = error.path().to_string();
-        let place = if place == "." { String::new() } else { format!("{place}: ") };
-        refuse(format!("{place}{}: mend it as the documentation of a robot's file says", error.inner()))
-    })?;
-    let read = robot(json).map_err(refuse)?;
-    Ok(RobotFile { bytes, ..read })
+    let mut extras = serde_json::Map::new();
+    if let Some(object) = value.as_object_mut() {
+        extras.extend(EXTRAS.into_iter().filter_map(|name| object.remove_entry(name)));
+    }
+    let read = typed(extras.into(), "").and_then(|extras| robot(value, extras, bytes));
+    read.map_err(refuse)
 }
 
-fn robot(json: RobotJson) -> Result<RobotFile, String> {
-    let mut joints = Vec::new();
-    let mut nominal = Vec::new();
-    let mut unplaced = Vec::new();
-    for joint in &json.joints {
-        let parent = match &joint.parent {
-            NameOrIndex::Index(index) => *index,
-            NameOrIndex::Name(name) => json.limbs.iter().position(|limb| limb == name).ok_or_else(|| {
-                format!("joint {}: there is no limb \"{name}\" in limbs: add it, or name another", joint.name)
-            })?,
-        };
-        let mut dofs = Vec::new();
+fn robot(mut description: serde_json::Value, extras: Extras, bytes: Vec<u8>) -> Result<RobotFile, String> {
+    let (mut nominal, mut unplaced) = (Vec::new(), Vec::new());
+    for (j, joint) in list(&mut description, "joints").enumerate() {
+        let position = three(joint, "position", &format!("joints[{j}]."))?;
+        let mut placed = position.is_some();
         let mut axes = Vec::new();
-        let mut placed = joint.position.is_some();
-        for dof in &joint.dofs {
-            let range = match (dof.range, dof.kind) {
-                (Some(range), _) => range,
-                (None, DofKind::Hinge) => [-PI, PI],
-                (None, DofKind::Ball) => [0.0, PI],
-                (None, DofKind::Slide) => {
-                    return Err(format!("{} is a slide and has no range: give its ends in metres", dof.name));
-                }
-            };
-            dofs.push(Dof { name: dof.name.clone(), kind: dof.kind, range, follows: None });
-            placed &= dof.axis.is_some() || dof.kind == DofKind::Ball;
-            let axis = Vector3::from(dof.axis.unwrap_or([0.0, 0.0, 1.0]));
-            if axis.norm() > GREATEST_DIRECTION {
-                return Err(format!(
-                    "the axis of {} has length {}: give a direction, of length 1 as nearly as may be",
-                    dof.name,
-                    axis.norm()
-                ));
-            }
-            axes.push(
-                axis.try_normalize(1e-9)
-                    .ok_or_else(|| format!("the axis of {} has no length: give a direction", dof.name))?,
-            );
+        for (d, dof) in list(joint, "dofs").enumerate() {
+            let axis = three(dof, "axis", &format!("joints[{j}].dofs[{d}]."))?;
+            placed &= axis.is_some() || dof["kind"] == "ball";
+            let axis = Vector3::from(axis.unwrap_or([0.0, 0.0, 1.0]));
+            let unit = axis.try_normalize(1e-9).filter(|_| axis.norm() <= GREATEST_DIRECTION);
+            axes.push(unit.ok_or_else(|| {
+                let (name, length) = (&dof["name"], axis.norm());
+                format!("the axis of {name} has length {length}: give a direction, of length 1 as nearly as may be")
+            })?);
         }
-        if !placed {
-            unplaced.push(joint.name.clone());
-        }
-        nominal.push(NominalJoint { position: joint.position.unwrap_or_default().into(), axes });
-        joints.push(Joint::new(joint.name.clone(), parent, dofs));
+        unplaced.extend(joint["name"].as_str().filter(|_| !placed).map(str::to_string));
+        nominal.push(NominalJoint { position: position.unwrap_or_default().into(), axes });
     }
-    let creature =
-        Creature::new(json.name, json.limbs, joints, Vec::new()).map_err(|error| error.to_string())?;
+    let creature = creature_of(description)?;
     let mut robot = Robot::of_creature(&creature, &nominal);
-    let says_what_is_open = add_extras(&mut robot, json.extras)?;
-    Ok(RobotFile {
-        robot,
-        format: RobotFormat::Json,
-        bytes: Vec::new(),
-        creature: Some(creature),
-        unplaced,
-        says_what_is_open,
-        notes: Vec::new(),
-    })
+    let says_what_is_open = add_extras(&mut robot, extras)?;
+    let read = RobotFile::new(robot, RobotFormat::Json, bytes);
+    Ok(RobotFile { creature: Some(creature), unplaced, says_what_is_open, ..read })
+}
+
+/// Takes three numbers out of an object, if it has them; `at` is before the field in messages.
+fn three(of: &mut serde_json::Value, field: &str, at: &str) -> Result<Option<[f64; 3]>, String> {
+    let value = of.as_object_mut().and_then(|object| object.remove(field));
+    value.map_or(Ok(None), |value| typed(value, &format!("{at}{field}")))
 }
 
 /// Adds what is on a robot; whether it is said what is unknown.
@@ -289,26 +215,18 @@ fn add_extras(robot: &mut Robot, extras: Extras) -> Result<bool, String> {
     Ok(says)
 }
 
-/// Units of deviations, longest first, and what they are of.
-const UNITS: [(&str, f64, Unit); 6] = [
-    ("mm", 1e-3, Unit::Metre),
-    ("cm", 1e-2, Unit::Metre),
-    ("deg", PI / 180.0, Unit::Radian),
-    ("°", PI / 180.0, Unit::Radian),
-    ("rad", 1.0, Unit::Radian),
-    ("m", 1.0, Unit::Metre),
-];
-
-/// The name of a unit, and what it is of.
-type NamedUnit = (&'static str, Unit);
+/// A unit as it is written, and what it measures.
+type WrittenUnit<'t> = (&'t str, Measure);
 
 /// A deviation above 0 in its base unit, and its unit where it has one: `0.01`, `5mm`, `2 deg`.
-fn deviation(text: &str) -> Result<(f64, Option<NamedUnit>), String> {
+fn deviation(text: &str) -> Result<(f64, Option<WrittenUnit<'_>>), String> {
     let text = text.trim();
-    let unit = UNITS.iter().find(|(name, ..)| text.ends_with(name));
-    let number = unit.map_or(text, |(name, ..)| text.trim_end_matches(name).trim());
-    let number = number.parse().map_or(f64::NAN, |x: f64| x * unit.map_or(1.0, |(_, factor, _)| *factor));
-    Ok((possible_deviation(number, text)?, unit.map(|(name, _, unit)| (*name, *unit))))
+    let number = text.trim_end_matches(|mark: char| mark.is_alphabetic() || mark == '°');
+    let word = &text[number.len()..];
+    let unit = table::unit(word).filter(|_| !word.is_empty());
+    let per = if word.is_empty() { 1.0 } else { unit.map_or(f64::NAN, |unit| unit.per) };
+    let value = number.trim().parse().map_or(f64::NAN, |x: f64| x / per);
+    Ok((possible_deviation(value, text)?, unit.map(|unit| (word, unit.measure))))
 }
 
 /// A deviation that may be, in its base unit; `text` is what was written.
@@ -327,7 +245,7 @@ fn possible_deviation(number: f64, text: &str) -> Result<f64, String> {
 /// A deviation of a position, metres.
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     match deviation(text)? {
-        (_, Some((name, Unit::Radian))) => {
+        (_, Some((name, Measure::Angle))) => {
             Err(format!("a position is not measured in {name}: give millimetres"))
         }
         (_, None) => Err(format!("\"{text}\" has no unit: give millimetres, as in {text}mm")),
@@ -340,24 +258,22 @@ pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, text: &str) -> Result<
     let (value, unit) = deviation(text).map_err(|fault| format!("{pattern}: {fault}"))?;
     let before: Vec<_> = robot.quantities.iter().map(|quantity| quantity.knowledge).collect();
     robot.set_knowledge(pattern, Knowledge::Near(value))?;
-    let set = robot.quantities.iter().zip(&before);
-    let mut named =
-        set.filter(|(quantity, before)| quantity.knowledge != **before).map(|(quantity, _)| quantity);
-    let fits = |quantity: &&crate::calibration::robot::Quantity| match quantity.unit {
-        Unit::Metre | Unit::Radian => unit.map(|(_, unit)| unit) == Some(quantity.unit),
-        Unit::One | Unit::Compliance => unit.is_none(),
+    let measured = |quantity: &Quantity| match quantity.unit {
+        Unit::Metre => Some(Measure::Length),
+        Unit::Radian => Some(Measure::Angle),
+        Unit::One | Unit::Compliance => None,
     };
-    match (named.find(|quantity| !fits(quantity)), unit) {
+    let set = robot.quantities.iter().zip(&before).filter(|(now, before)| now.knowledge != **before);
+    let other = { set }.find(|(quantity, _)| measured(quantity) != unit.map(|(_, measure)| measure));
+    match (other, unit) {
         (None, _) => Ok(()),
-        (Some(other), Some((name, _))) => {
+        (Some((other, _)), Some((name, _))) => {
             Err(format!("{} is not measured in {name}: give its deviation in its own unit", other.name))
         }
-        (Some(other), None) => {
+        (Some((other, _)), None) => {
             let example = if other.unit == Unit::Metre { "mm" } else { "deg" };
-            Err(format!(
-                "the deviation of {} has no unit: give one, as in {pattern}={text}{example}",
-                other.name
-            ))
+            let name = &other.name;
+            Err(format!("the deviation of {name} has no unit: give one, as in {pattern}={text}{example}"))
         }
     }
 }
@@ -369,9 +285,8 @@ fn named(robot: &Robot, what: &str, link: &str) -> Result<usize, String> {
 }
 
 /// A pose of a position and URDF's roll, pitch and yaw.
-fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Frame {
-    let rotation = Rotation3::from_euler_angles(roll, pitch, yaw).into_inner();
-    Frame { rotation, origin: position.into() }
+fn pose(position: [f64; 3], turns: [f64; 3]) -> Frame {
+    Origin { place: position.into(), turns }.frame()
 }
 
 /// Gives a quantity a value of its own.
@@ -398,41 +313,32 @@ fn set_value(robot: &mut Robot, name: &str, numbers: &Numbers) -> Result<(), Str
 
 /// The file with other values: all that are not the maker's stand by name in a field of their own, before all others.
 pub(super) fn with_values(bytes: &[u8], robot: &Robot, values: &[Value]) -> Written {
-    let others = robot.quantities.iter().zip(values).filter(|(quantity, value)| quantity.nominal != **value);
-    let mut named: BTreeMap<String, serde_json::Value> = BTreeMap::new();
-    let before: Option<BTreeMap<String, serde_json::Value>> =
-        serde_json::from_slice::<serde_json::Value>(bytes)
-            .ok()
-            .and_then(|file| serde_json::from_value(file.get("values")?.clone()).ok());
-    named.extend(before.clone().unwrap_or_default());
-    for (quantity, value) in others {
-        named.insert(quantity.name.clone(), json_of(value));
-    }
-    let lines: Vec<String> = named
-        .iter()
-        .map(|(name, value)| format!("    {}: {value}", serde_json::Value::from(name.as_str())))
-        .collect();
-    let field = format!("\"values\": {{\n{}\n  }}", lines.join(",\n"));
     let text = String::from_utf8_lossy(bytes);
-    let object: Result<BTreeMap<&str, &serde_json::value::RawValue>, _> =
-        serde_json::from_str(text.trim_start_matches('\u{feff}'));
-    let left_out = match &object {
-        Ok(object) if object.contains_key("limbs") => Vec::new(),
-        _ => vec![
-            "a whole session keeps its creature as it was: the new values are in calibration.json"
-                .to_string(),
-        ],
-    };
-    if !left_out.is_empty() {
-        return Written { bytes: bytes.to_vec(), left_out };
+    let object = serde_json::from_str(text.trim_start_matches('\u{feff}'));
+    let object: BTreeMap<&str, &RawValue> = object.unwrap_or_default();
+    if !object.contains_key("limbs") {
+        let kept = "a whole session keeps its creature as it was: the new values are in calibration.json";
+        return Written { bytes: bytes.to_vec(), left_out: vec![kept.into()] };
     }
-    let old = object.ok().and_then(|object| object.get("values").map(|raw| raw.get().to_string()));
-    let text = match old {
-        // The old values' text is there once with its name before it.
-        Some(old) => text.replacen(&old, field.trim_start_matches("\"values\": "), 1),
-        None => text.replacen('{', &format!("{{\n  {field},"), 1),
+    let before = object.get("values").map(|before| before.get());
+    let before_named = before.and_then(|before| serde_json::from_str(before).ok());
+    let mut named: BTreeMap<String, serde_json::Value> = before_named.unwrap_or_default();
+    let others = robot.quantities.iter().zip(values).filter(|(quantity, value)| quantity.nominal != **value);
+    named.extend(others.map(|(quantity, value)| (quantity.name.clone(), json_of(value))));
+    let line = |(name, value): (String, serde_json::Value)| {
+        format!("    {}: {value}", serde_json::Value::from(name))
     };
-    Written { bytes: text.into_bytes(), left_out }
+    let lines: Vec<String> = named.into_iter().map(line).collect();
+    let field = format!("{{\n{}\n  }}", lines.join(",\n"));
+    let mut edits = Edits::default();
+    match before {
+        Some(before) => {
+            let at = before.as_ptr() as usize - text.as_ptr() as usize;
+            edits.replace(at..at + before.len(), field);
+        }
+        None => edits.insert(text.find('{').map_or(0, |at| at + 1), format!("\n  \"values\": {field},")),
+    }
+    Written { bytes: edits.of(text.as_bytes()), left_out: Vec::new() }
 }
 
 /// A value as a file has it.

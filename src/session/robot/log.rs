@@ -55,52 +55,37 @@ pub struct CalibrationLog {
 /// # Errors
 /// If it cannot be read, or, with line, column and fix, if it is none.
 pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, Error> {
-    let (table, head) = read(path, robot)?;
-    let mut notes: Vec<String> = table.notes().chain(head.columns.note()).collect();
+    let rows = Rows::read(path, robot)?;
+    let (table, columns) = (&rows.table, &rows.columns);
+    let mut notes: Vec<String> = table.notes().chain(columns.note()).collect();
     let mut not_finite = Vec::new();
     let mut touches: Vec<Touch> = Vec::new();
-    let time = |row: &StringRecord| head.columns.text(row, TIME).and_then(|cell| cell.parse().ok());
-    let mut by_name: HashMap<(String, [usize; 2]), usize> = HashMap::new();
+    // Lines of one name and links are contacts of one touch; a line without a name is a touch of its own.
+    let mut places = HashMap::new();
     for (line, row) in &table.rows {
-        let refuse = |fault: String| Error::content(path, Some(*line), fault);
-        let read = head.contact(&table, row, robot).and_then(|contact| {
-            let links = links_of(&contact.1, robot);
-            Ok((contact, links, head.posture(&table, row, robot, links)?))
-        });
-        let ((name, ends, distance), links, posture) = match read {
-            Ok(read) => read,
+        let refuse = |fault: String| Err(Error::content(path, Some(*line), fault));
+        let touch = match rows.touch(*line, row) {
+            Ok(touch) => touch,
             Err(CellFault::NotFinite(fault)) => {
                 not_finite.push((*line, fault));
                 continue;
             }
-            Err(CellFault::Wrong(fault)) => return Err(refuse(fault)),
+            Err(CellFault::Wrong(fault)) => return refuse(fault),
         };
-        let known = name.as_ref().and_then(|name| by_name.get(&(name.clone(), links)).copied());
-        match known {
-            Some(at) => {
-                let touch = &mut touches[at];
-                if touch.posture != posture {
-                    let name = name.unwrap_or_default();
-                    return Err(refuse(format!(
-                        "touch {name} has another posture than on line {}: give lines of one posture one name, others another",
-                        touch.line
-                    )));
-                }
-                for (side, end) in ends.into_iter().enumerate() {
-                    touch.ends[side].extend(end);
-                }
+        let name = columns.text(row, TOUCH);
+        let links = [0, 1].map(|side: usize| touch.ends[side].first().map(|end| end.feature.link(robot)));
+        let place = *places.entry((name.ok_or(line), links)).or_insert(touches.len());
+        match touches.get_mut(place) {
+            None => touches.push(touch),
+            Some(first) if first.posture == touch.posture => {
+                first.ends.iter_mut().zip(touch.ends).for_each(|(ends, more)| ends.extend(more));
             }
-            None => {
-                if let Some(name) = name {
-                    by_name.insert((name, links), touches.len());
-                }
-                touches.push(Touch {
-                    line: *line,
-                    posture,
-                    ends: ends.map(|end| end.into_iter().collect()),
-                    distance,
-                    time: time(row),
-                });
+            Some(first) => {
+                return refuse(format!(
+                    "touch {} has another posture than on line {}: give lines of one posture one name, others another",
+                    name.unwrap_or_default(),
+                    first.line
+                ));
             }
         }
     }
@@ -116,15 +101,15 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     if touches.is_empty() {
         return Err(Error::content(path, None, "it holds no touch: give one with a touch a line"));
     }
-    let rows = touches.len();
+    let all = touches.len();
     let repeats = drop_repeats(&mut touches);
     if repeats > 0 {
         notes.push(format!(
-            "{repeats} of {rows} rows repeat another in the same posture: each touch counts once"
+            "{repeats} of {all} rows repeat another in the same posture: each touch counts once"
         ));
     }
-    notes.extend(check_angles(path, &table, robot, &head, &touches)?);
-    refuse_millimetres(path, robot, &table, &head, &touches)?;
+    notes.extend(rows.check_angles(path, &touches)?);
+    rows.refuse_millimetres(path, &touches)?;
     Ok(CalibrationLog { touches, notes })
 }
 
@@ -134,23 +119,25 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
 /// # Errors
 /// As of [`read_calibration_log`]; also where a place is said to be at two positions.
 pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
-    let (table, head) = read(path, robot)?;
-    let own = robot.links.len();
-    let mut unsaid = Vec::new();
-    for (line, row) in &table.rows {
-        let refuse = |fault: String| Error::content(path, Some(*line), fault);
-        let Some(name) = head.columns.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
+    let rows = Rows::read(path, robot)?;
+    let mut named = Vec::new();
+    for (line, row) in &rows.table.rows {
+        let Some(name) = rows.columns.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
             continue;
         };
-        let said = match head.point(&table, row, 1) {
-            Ok(said) => said,
+        match rows.point(row, 1) {
+            Ok(said) => named.push((*line, name.to_string(), said)),
             // The row is left out where the log is read.
-            Err(CellFault::NotFinite(_)) => continue,
-            Err(CellFault::Wrong(fault)) => return Err(refuse(fault)),
-        };
-        match (robot.link(name), said) {
+            Err(CellFault::NotFinite(_)) => {}
+            Err(CellFault::Wrong(fault)) => return Err(Error::content(path, Some(*line), fault)),
+        }
+    }
+    let own = robot.links.len();
+    let mut unsaid = Vec::new();
+    for (line, name, said) in named {
+        match (robot.link(&name), said) {
             (None, _) => {
-                let link = robot.add_place(name, 0, said.unwrap_or_default());
+                let link = robot.add_place(&name, 0, said.unwrap_or_default());
                 if said.is_none() {
                     unsaid.push((link, robot.quantities.len() - 1));
                 }
@@ -158,9 +145,10 @@ pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
             (Some(link), Some(at)) if link >= own => {
                 let Element::Shift(position) = robot.links[link].elements[0] else { continue };
                 if (robot.quantities[position].nominal.vector() - at).norm() > SAME_POINT {
-                    return Err(refuse(format!(
+                    let fault = format!(
                         "place {name} is at another position than before: give it one, or another name"
-                    )));
+                    );
+                    return Err(Error::content(path, Some(line), fault));
                 }
             }
             (Some(_), _) => {}
@@ -191,17 +179,6 @@ pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
     Ok(())
 }
 
-/// A table of a robot's touches, and which column holds what.
-fn read(path: &Path, robot: &Robot) -> Result<(Table, Head), Error> {
-    let columns_of_dof = |dof: &RobotDof| coordinate_columns(&dof.name, dof.kind);
-    let coordinates: Vec<_> = robot.leaders().flat_map(columns_of_dof).collect();
-    let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
-    let mut table = read_table(path, &names, None)?;
-    let head = Head::new(&mut table, robot, &coordinates);
-    let head = head.map_err(|fault| Error::content(path, Some(1), fault))?;
-    Ok((table, head))
-}
-
 /// Whether bytes look like a log of touches.
 pub(super) fn is_log(bytes: &[u8]) -> bool {
     let head = bytes.split(|byte| *byte == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or_default();
@@ -209,26 +186,27 @@ pub(super) fn is_log(bytes: &[u8]) -> bool {
     LIMBS.iter().chain(&RECEPTORS).any(|name| head.split(',').any(|title| title.trim() == *name))
 }
 
-/// The links that a touch's ends are on.
-fn links_of(ends: &[Option<End>; 2], robot: &Robot) -> [usize; 2] {
-    [0, 1].map(|side: usize| ends[side].as_ref().map_or(usize::MAX, |end| end.feature.link(robot)))
-}
-
-/// The name of a touch, what touched on either side, and how far apart they were.
-type Contact = (Option<String>, [Option<End>; 2], f64);
-
-/// Which column holds what.
-struct Head {
+/// A table of a robot's touches, and which column holds what.
+struct Rows<'r> {
+    robot: &'r Robot,
+    table: Table,
     columns: TouchColumns,
 }
 
-impl Head {
-    fn new(
-        table: &mut Table,
-        robot: &Robot,
-        coordinates: &[(String, Option<Measure>)],
-    ) -> Result<Head, String> {
-        let columns = TouchColumns::new(table, coordinates, &FURTHER)?;
+impl<'r> Rows<'r> {
+    fn read(path: &Path, robot: &'r Robot) -> Result<Rows<'r>, Error> {
+        let columns_of_dof = |dof: &RobotDof| coordinate_columns(&dof.name, dof.kind);
+        let coordinates: Vec<_> = robot.leaders().flat_map(columns_of_dof).collect();
+        let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
+        let mut table = read_table(path, &names, None)?;
+        let columns = TouchColumns::new(&mut table, &coordinates, &FURTHER);
+        let columns = columns.and_then(|columns| Rows::checked(columns, robot));
+        let columns = columns.map_err(|fault| Error::content(path, Some(1), fault))?;
+        Ok(Rows { robot, table, columns })
+    }
+
+    /// Columns that name what touched on both sides, and where a joint was.
+    fn checked(columns: TouchColumns, robot: &Robot) -> Result<TouchColumns, String> {
         let has = |name: &str| columns.place(name).is_some();
         for side in 0..2 {
             let is_place = side == 1 && has(PLACE);
@@ -256,45 +234,44 @@ impl Head {
                 ));
             }
         }
-        Ok(Head { columns })
+        Ok(columns)
     }
 
-    fn number(&self, table: &Table, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
-        let number = table.number(row, at, "a number")?;
+    fn number(&self, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
+        let number = self.table.number(row, at, "a number")?;
         if is_length(number) && is_angle(number) {
             return Ok(number);
         }
         Err(CellFault::Wrong(format!(
             "{}: {} is beyond all that can be: give metres or radians, or leave the touch out",
-            table.place(at),
+            self.table.place(at),
             &row[at]
         )))
     }
 
-    /// The name of the touch, what touched on either side, and how far apart they were.
-    fn contact(&self, table: &Table, row: &StringRecord, robot: &Robot) -> Result<Contact, CellFault> {
-        let name = self.columns.text(row, TOUCH).map(str::to_string);
-        let ends = [self.end(table, row, robot, 0)?, self.end(table, row, robot, 1)?];
-        if name.is_none() && ends.iter().any(Option::is_none) {
+    /// The touch of a row, or the contact that it has of one.
+    fn touch(&self, line: usize, row: &StringRecord) -> Result<Touch, CellFault> {
+        let ends = [self.end(row, 0)?, self.end(row, 1)?];
+        if self.columns.text(row, TOUCH).is_none() && ends.iter().any(Option::is_none) {
             let side = usize::from(ends[0].is_some());
             let message = format!("column {} is empty: name what touched", LIMBS[side]);
             return Err(CellFault::Wrong(message));
         }
-        let distance = match self.columns.given(row, DISTANCE) {
-            Some(at) => self.number(table, row, at)?,
-            None => 0.0,
-        };
-        Ok((name, ends, distance))
+        let distance = self.columns.given(row, DISTANCE).map(|at| self.number(row, at)).transpose()?;
+        let links =
+            ends.each_ref().map(|end| end.as_ref().map_or(usize::MAX, |end| end.feature.link(self.robot)));
+        Ok(Touch {
+            line,
+            posture: self.posture(row, links)?,
+            ends: ends.map(|end| end.into_iter().collect()),
+            distance: distance.unwrap_or_default(),
+            time: self.columns.text(row, TIME).and_then(|cell| cell.parse().ok()),
+        })
     }
 
     /// The point of a side, if there is one.
-    fn point(
-        &self,
-        table: &Table,
-        row: &StringRecord,
-        side: usize,
-    ) -> Result<Option<Vector3<f64>>, CellFault> {
-        let point = self.columns.point(table, row, side)?;
+    fn point(&self, row: &StringRecord, side: usize) -> Result<Option<Vector3<f64>>, CellFault> {
+        let point = self.columns.point(&self.table, row, side)?;
         match point.filter(|point| !point.iter().all(|x| is_length(*x))) {
             None => Ok(point),
             Some(_) => Err(CellFault::Wrong(format!(
@@ -304,13 +281,8 @@ impl Head {
         }
     }
 
-    fn end(
-        &self,
-        table: &Table,
-        row: &StringRecord,
-        robot: &Robot,
-        side: usize,
-    ) -> Result<Option<End>, CellFault> {
+    fn end(&self, row: &StringRecord, side: usize) -> Result<Option<End>, CellFault> {
+        let robot = self.robot;
         let wrong = |message: String| Err(CellFault::Wrong(message));
         let place = self.columns.text(row, PLACE).filter(|_| side == 1);
         let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| self.columns.text(row, names[side]));
@@ -323,8 +295,8 @@ impl Head {
         // A receptor is a point of its own; the limb beside it says no more.
         let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
         let Some(name) = receptor.or(limb).or(place) else { return Ok(None) };
-        let deviation = self.columns.deviation(table, row, side)?;
-        let point = self.point(table, row, side)?.filter(|_| place.is_none());
+        let deviation = self.columns.deviation(&self.table, row, side)?;
+        let point = self.point(row, side)?.filter(|_| place.is_none());
         let feature = match (point, robot.surface(name), robot.points_of(name)) {
             (Some(point), _, Some(link)) => Feature::Point(link, point),
             (None, Some(surface), _) => Feature::Surface(surface),
@@ -355,17 +327,12 @@ impl Head {
     }
 
     /// The posture; joints between the two must have been read.
-    fn posture(
-        &self,
-        table: &Table,
-        row: &StringRecord,
-        robot: &Robot,
-        links: [usize; 2],
-    ) -> Result<Vec<f64>, CellFault> {
+    fn posture(&self, row: &StringRecord, links: [usize; 2]) -> Result<Vec<f64>, CellFault> {
+        let robot = self.robot;
         let mut posture = Vec::with_capacity(self.columns.posture.len());
         let mut not_finite = None;
         for at in &self.columns.posture {
-            posture.push(match at.filter(|at| !row[*at].is_empty()).map(|at| self.number(table, row, at)) {
+            posture.push(match at.filter(|at| !row[*at].is_empty()).map(|at| self.number(row, at)) {
                 Some(Err(fault @ CellFault::NotFinite(_))) => {
                     not_finite.get_or_insert(fault);
                     None
@@ -406,79 +373,69 @@ impl Head {
         }
         Ok(posture)
     }
+
+    /// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have; what else looks odd.
+    fn check_angles(&self, path: &Path, touches: &[Touch]) -> Result<Vec<String>, Error> {
+        let Rows { robot, table, columns } = self;
+        let hinges = || robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge);
+        let mut notes: Vec<String> =
+            wide_ranges(hinges().map(|dof| (dof.name.as_str(), dof.range))).into_iter().collect();
+        for dof in hinges() {
+            let Some(at) = columns.posture.get(dof.coordinate).copied().flatten() else { continue };
+            let angles = touches.iter().map(|touch| (touch.line, touch.posture[dof.coordinate])).collect();
+            let hinge = HingeAngles { name: &dof.name, range: dof.range, angles };
+            if let Some((_, example)) = hinge.degrees().filter(|_| is_si(&table.columns[at])) {
+                let message = format!(
+                    "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
+                    dof.name, dof.name
+                );
+                return Err(Error::content(path, Some(1), message));
+            }
+            // What follows another has a range of its own, and an encoder may count otherwise than its joint.
+            let leads = robot.leaders().any(|leader| leader.name == dof.name);
+            if let Some((line, message)) = hinge.impossible().filter(|_| leads) {
+                return Err(Error::content(path, Some(line), message));
+            }
+            notes.extend(hinge.note().filter(|_| leads));
+        }
+        Ok(notes)
+    }
+
+    /// Refuses points that are far from their limb for a robot of this size.
+    fn refuse_millimetres(&self, path: &Path, touches: &[Touch]) -> Result<(), Error> {
+        let Rows { robot, table, columns } = self;
+        let size = reach(robot).max(0.05);
+        for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
+            let Some(at) = columns.place(x) else { continue };
+            if !is_si(&table.columns[at]) {
+                continue;
+            }
+            let mut distances: Vec<f64> = touches
+                .iter()
+                .flat_map(|touch| &touch.ends[side])
+                .filter_map(|end| match end.feature {
+                    Feature::Point(_, point) => Some(point.norm()),
+                    Feature::Surface(_) => None,
+                })
+                .collect();
+            distances.sort_by(f64::total_cmp);
+            let Some(median) = distances.get(distances.len() / 2).copied() else { continue };
+            if median > FAR * size {
+                let message = format!(
+                    "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
+                 {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",
+                    robot.name
+                );
+                return Err(Error::content(path, Some(1), message));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Whether a column's numbers are taken for metres or radians as they stand.
 fn is_si(column: &Column) -> bool {
     column.unit.is_none_or(|unit| unit.per == 1.0)
-}
-
-/// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have; what else looks odd.
-fn check_angles(
-    path: &Path,
-    table: &Table,
-    robot: &Robot,
-    head: &Head,
-    touches: &[Touch],
-) -> Result<Vec<String>, Error> {
-    let hinges = || robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge);
-    let mut notes: Vec<String> =
-        wide_ranges(hinges().map(|dof| (dof.name.as_str(), dof.range))).into_iter().collect();
-    for dof in hinges() {
-        let Some(at) = head.columns.posture.get(dof.coordinate).copied().flatten() else { continue };
-        let angles = touches.iter().map(|touch| (touch.line, touch.posture[dof.coordinate])).collect();
-        let hinge = HingeAngles { name: &dof.name, range: dof.range, angles };
-        if let Some((_, example)) = hinge.degrees().filter(|_| is_si(&table.columns[at])) {
-            let message = format!(
-                "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
-                dof.name, dof.name
-            );
-            return Err(Error::content(path, Some(1), message));
-        }
-        // What follows another has a range of its own, and an encoder may count otherwise than its joint.
-        let leads = robot.leaders().any(|leader| leader.name == dof.name);
-        if let Some((line, message)) = hinge.impossible().filter(|_| leads) {
-            return Err(Error::content(path, Some(line), message));
-        }
-        notes.extend(hinge.note().filter(|_| leads));
-    }
-    Ok(notes)
-}
-
-/// Refuses points that are far from their limb for a robot of this size.
-fn refuse_millimetres(
-    path: &Path,
-    robot: &Robot,
-    table: &Table,
-    head: &Head,
-    touches: &[Touch],
-) -> Result<(), Error> {
-    let size = reach(robot).max(0.05);
-    for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
-        let Some(at) = head.columns.place(x) else { continue };
-        if !is_si(&table.columns[at]) {
-            continue;
-        }
-        let mut distances: Vec<f64> = touches
-            .iter()
-            .flat_map(|touch| &touch.ends[side])
-            .filter_map(|end| match end.feature {
-                Feature::Point(_, point) => Some(point.norm()),
-                Feature::Surface(_) => None,
-            })
-            .collect();
-        distances.sort_by(f64::total_cmp);
-        let Some(median) = distances.get(distances.len() / 2).copied() else { continue };
-        if median > FAR * size {
-            let message = format!(
-                "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
-                 {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",
-                robot.name
-            );
-            return Err(Error::content(path, Some(1), message));
-        }
-    }
-    Ok(())
 }
 
 /// The longest way from the root out along positions, metres.

@@ -6,11 +6,9 @@ mod json;
 mod log;
 mod log_writer;
 mod mjcf;
-mod mjcf_writer;
 mod possible;
 mod urdf;
-mod urdf_writer;
-mod writing;
+mod xml_writer;
 
 use std::path::Path;
 
@@ -18,10 +16,9 @@ pub(crate) use json::{json_of, length, set_prior};
 pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
-pub use writing::Written;
 
-use crate::calibration::robot::{Knowledge, Robot, Value};
-use crate::creature::Creature;
+use crate::calibration::robot::{Knowledge, Robot, RobotDof, Value};
+use crate::creature::{Creature, DofKind};
 use crate::error::Error;
 use crate::learning::KnownJoint;
 use crate::model_files::{begins_as, first_letter};
@@ -49,6 +46,8 @@ pub struct RobotFile {
     pub format: RobotFormat,
     /// Its bytes, for the same with other numbers.
     bytes: Vec<u8>,
+    /// How many links and quantities the robot has from the file.
+    own: [usize; 2],
     /// Its tree as a creature, where the file is one.
     pub creature: Option<Creature>,
     /// Joints of which the file does not say where they are.
@@ -57,6 +56,15 @@ pub struct RobotFile {
     pub says_what_is_open: bool,
     /// What was passed over, in sentences.
     pub notes: Vec<String>,
+}
+
+/// A robot's file with what calibration found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// What the file's format has no place for, a sentence each.
+    pub left_out: Vec<String>,
 }
 
 /// Whether a file is MJCF, which MuJoCo reads: one that is not to be trusted may crash it.
@@ -79,38 +87,30 @@ pub fn read_robot(path: &Path) -> Result<RobotFile, Error> {
 
 fn read_any(path: &Path) -> Result<RobotFile, Error> {
     let bytes = files::read(path)?;
-    let plain = |mut robot: Robot, format, notes, bytes| {
-        robot.mount_all();
-        RobotFile {
-            robot,
-            format,
-            bytes,
-            creature: None,
-            unplaced: Vec::new(),
-            says_what_is_open: false,
-            notes,
+    let (format, (robot, notes)) = match first_letter(&bytes) {
+        Some(b'<') if begins_as(&bytes, "mujoco") => (RobotFormat::Mjcf, mjcf::read_mjcf(path)?),
+        Some(b'<') => (RobotFormat::Urdf, urdf::read_urdf(path, &bytes)?),
+        Some(_) if log::is_log(&bytes) => {
+            let fault = "it is a log of touches, where a robot belongs: give the robot first, then the log";
+            return Err(Error::content(path, Some(1), fault));
         }
+        Some(b'{') => return json::read(path, bytes),
+        _ => (RobotFormat::Dh, (dh::read_dh(path, &bytes)?, Vec::new())),
     };
-    match first_letter(&bytes) {
-        Some(b'<') if begins_as(&bytes, "mujoco") => {
-            let (robot, notes) = mjcf::read_mjcf(path)?;
-            Ok(plain(robot, RobotFormat::Mjcf, notes, bytes))
-        }
-        Some(b'<') => {
-            let (robot, notes) = urdf::read_urdf(path, &bytes)?;
-            Ok(plain(robot, RobotFormat::Urdf, notes, bytes))
-        }
-        Some(_) if log::is_log(&bytes) => Err(Error::content(
-            path,
-            Some(1),
-            "it is a log of touches, where a robot belongs: give the robot first, then the log",
-        )),
-        Some(b'{') => json::read(path, bytes),
-        _ => Ok(plain(dh::read_dh(path, &bytes)?, RobotFormat::Dh, Vec::new(), bytes)),
-    }
+    let mut read = RobotFile { notes, ..RobotFile::new(robot, format, bytes) };
+    // In JSON the limbs alone have mounts.
+    read.robot.mount_all();
+    Ok(read)
 }
 
 impl RobotFile {
+    /// A robot of a file that says no more.
+    fn new(robot: Robot, format: RobotFormat, bytes: Vec<u8>) -> RobotFile {
+        let own = [robot.links.len(), robot.quantities.len()];
+        let (creature, unplaced, notes) = (None, Vec::new(), Vec::new());
+        RobotFile { robot, format, bytes, own, creature, unplaced, says_what_is_open: false, notes }
+    }
+
     /// The file with other values, in the frames and units that it was given in: only the numbers that changed are others.
     /// What it cannot say is told.
     ///
@@ -119,8 +119,9 @@ impl RobotFile {
     pub fn with_values(&self, path: &Path, values: &[Value]) -> Result<Written, Error> {
         match self.format {
             RobotFormat::Json => Ok(json::with_values(&self.bytes, &self.robot, values)),
-            RobotFormat::Urdf => Ok(urdf_writer::write_urdf(path, &self.bytes, &self.robot, values)?),
-            RobotFormat::Mjcf => mjcf_writer::write_mjcf(path, &self.bytes, &self.robot, values),
+            RobotFormat::Urdf | RobotFormat::Mjcf => {
+                Ok(xml_writer::write_xml(path, &self.bytes, &self.robot, self.own, values)?)
+            }
             RobotFormat::Dh => dh::write_dh(path, &self.bytes, &self.robot, values),
         }
     }
@@ -153,4 +154,29 @@ pub fn apply_known(robot: &mut Robot, creature: &Creature, joints: &[KnownJoint]
             }
         }
     }
+}
+
+/// What of an encoder `format` has no word for, a sentence each: its gain, unless it follows another, and how far its joint gives
+/// way.
+fn unsaid_of_encoder(robot: &Robot, values: &[Value], dof: usize, format: &str) -> Vec<String> {
+    let RobotDof { name, quantities, kind, .. } = &robot.dofs[dof];
+    let Some(q) = quantities else { return Vec::new() };
+    let [gain, compliance] = [q.gain, q.compliance].map(|quantity| values[quantity].number());
+    let mut unsaid = Vec::new();
+    if gain != 1.0 && robot.leads(dof) {
+        unsaid.push(format!(
+            "gain of {name} ({gain:.6}) cannot be said in {format}: multiply what its encoder reads by it"
+        ));
+    }
+    if compliance != 0.0 {
+        let (unit, load) = match kind {
+            DofKind::Slide => ("m/N", "force"),
+            DofKind::Hinge | DofKind::Ball => ("rad/(N m)", "torque"),
+        };
+        unsaid.push(format!(
+            "compliance of {name} ({compliance:.3e} {unit}) cannot be said in {format}: add it times the {load} to what its \
+             encoder reads"
+        ));
+    }
+    unsaid
 }

@@ -65,7 +65,7 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
                 passed_over.push(format!(
                     "joint {name} is {about} and at the root: link {child} is taken to stand still in link {parent}"
                 ));
-                robot.add_link(child, parent_link, vec![Element::Fixed(frame(&origin))]);
+                robot.add_link(child, parent_link, vec![Element::Fixed(origin.frame())]);
                 continue;
             }
         };
@@ -108,7 +108,7 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
     for (name, element) in &tree.links {
         let link = robot.link(name).unwrap_or_default();
         add_mass(&mut robot, link, source, element)?;
-        add_surfaces(&mut robot, link, source, element)?;
+        add_surfaces(&mut robot, link, tree, element)?;
         let is_mesh = |c: &Tag| c.child("geometry").and_then(|geometry| geometry.child("mesh")).is_some();
         if element.all("collision").any(is_mesh) {
             meshed.push(*name);
@@ -121,10 +121,6 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
         ));
     }
     Ok((robot, passed_over))
-}
-
-fn frame(origin: &Origin) -> Frame {
-    Frame { rotation: origin.rotation(), origin: origin.place }
 }
 
 /// What a link weighs, where it weighs anything.
@@ -143,31 +139,15 @@ fn add_mass(robot: &mut Robot, link: usize, source: &Source, element: &Tag) -> R
 }
 
 /// A link's collision geometry as surfaces: called LINK where there is one, else LINK.1, LINK.2 and so on.
-fn add_surfaces(robot: &mut Robot, link: usize, source: &Source, element: &Tag) -> Result<(), Refused> {
+fn add_surfaces(robot: &mut Robot, link: usize, tree: &UrdfTree, element: &Tag) -> Result<(), Refused> {
     let of = robot.links[link].name.clone();
     for (name, collision, shape) in shapes(&of, element) {
-        let pose = frame(&Origin::of(collision));
-        let needs = |attribute: &str| {
-            let message =
-                format!("<{}> of link {of} needs {attribute}=\"…\" above 0; give metres", shape.name);
-            source.refused(shape, message)
+        let pose = Origin::of(collision).frame();
+        match tree.shape(&of, shape)? {
+            Some(Shape::Sphere { radius }) => robot.add_sphere(&name, link, pose, radius),
+            Some(shape) => robot.add_surface(&name, link, pose, Form::Solid(shape)),
+            None => continue,
         };
-        let length = |attribute: &str| {
-            shape.number(attribute).filter(|length| *length > 0.0).ok_or_else(|| needs(attribute))
-        };
-        let form = match shape.name.as_str() {
-            "sphere" => {
-                robot.add_sphere(&name, link, pose, length("radius")?);
-                continue;
-            }
-            "cylinder" => Shape::Cylinder { radius: length("radius")?, half_length: 0.5 * length("length")? },
-            "capsule" => Shape::Capsule { radius: length("radius")?, half_length: 0.5 * length("length")? },
-            _ => {
-                let size = shape.vector("size").filter(|size| size.min() > 0.0);
-                Shape::Box { half_extents: (0.5 * size.ok_or_else(|| needs("size"))?).into() }
-            }
-        };
-        robot.add_surface(&name, link, pose, Form::Solid(form));
     }
     Ok(())
 }
