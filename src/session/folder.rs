@@ -37,7 +37,7 @@ const LETTING_GO: Duration = Duration::from_secs(1);
 
 /// A folder that no other process writes to while this lives.
 ///
-/// The system's lock on [`LOCK_FILE`] is held, so that it ends with the process, however that ends.
+/// The system's lock on the file `.writer` in it is held, so that it ends with the process, however that ends.
 #[derive(Debug)]
 pub struct FolderLock {
     place: PathBuf,
