@@ -13,7 +13,7 @@ use std::time::Instant;
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, JointSelection, Posture};
 use bodyschema::mujoco::Model;
-use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
+use bodyschema::simulation::{Effort, Ending, MotionName, Movers};
 use bodyschema::skin::{GrowOptions, grow};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -48,7 +48,7 @@ fn measure(name: &str, model: Model, seconds: f64) {
         Err(error) => return println!("| {name} | {error} |"),
     };
     let start = cpu_time(began);
-    let mut mover = movers.kinematic().expect("there is memory for a posture");
+    let mut mover = movers.mover().expect("there is memory for a posture");
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let (mut touches, mut passed) = (0, 0.0);
     while passed < seconds {

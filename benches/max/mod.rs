@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bodyschema::agent::Agent;
-use bodyschema::babbling::{Babbler, BabblingOptions};
+use bodyschema::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::mujoco::Model;
 use bodyschema::senses::RecordedTouch;
@@ -33,11 +33,13 @@ fn moving(joints: &JointSelection) -> (Body, Agent) {
 #[allow(dead_code, reason = "not every benchmark needs touches")]
 pub fn babble(babbler: &Babbler, touches: usize) -> (Vec<RecordedTouch>, Effort) {
     let mut made = Vec::with_capacity(touches);
-    let receive = |touch: &RecordedTouch| {
-        made.push(touch.clone());
+    let receive = |news: Made| {
+        if let Made::Touch(touch) = news {
+            made.push(touch.clone());
+        }
         Ok(())
     };
     let options = BabblingOptions { touches, seed: 1, jobs: 1 };
-    let effort = babbler.babble(&options, receive).expect("Max touches himself");
-    (made, effort)
+    let babbled = babbler.babble(PolicyName::Random, BoutsDone::default(), &options, receive);
+    (made, babbled.expect("Max touches himself").0)
 }

@@ -52,10 +52,18 @@ pub(super) struct Bout {
 }
 
 impl Bout {
-    /// Whether it is what was recorded of it.
-    pub fn is(&self, recorded: &RecordedBout) -> bool {
-        self.effort.motions == recorded.effort.motions
-            && self.touches.iter().map(|(touch, _)| touch).eq(&recorded.touches)
+    /// The same, if it is what was recorded of it.
+    pub fn checked(self, number: u64, recorded: Option<RecordedBout>) -> Result<Bout> {
+        let same = recorded.is_none_or(|recorded| {
+            self.effort.motions == recorded.effort.motions
+                && self.touches.iter().map(|(touch, _)| touch).eq(&recorded.touches)
+        });
+        same.then_some(self).ok_or_else(|| {
+            Error::model(format!(
+                "bout {number} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
+                 on a machine that reckons otherwise; make that share again, here"
+            ))
+        })
     }
 }
 
@@ -67,29 +75,30 @@ impl From<RecordedBout> for Bout {
     }
 }
 
-/// Where a row of bouts ends.
+/// Where a row of bouts ends: with so many bouts and touches.
 #[derive(Clone, Copy)]
-pub(super) enum End {
-    /// With a touch, in the middle of a bout where that is its number.
-    AtTouch(usize),
-    /// With the bout after which there are so many bouts and touches.
-    AtBout(BoutsDone),
+pub(super) struct End {
+    bouts: u64,
+    touches: usize,
+    /// Whether it ends with the last of these touches, even in the middle of a bout.
+    in_bout: bool,
 }
 
 impl End {
+    /// With a touch of a number.
+    pub fn at_touch(touches: usize) -> End {
+        End { bouts: 0, touches, in_bout: true }
+    }
+
     /// Where the share of a session of so many touches ends. It has the bouts that the session would be made of if all
     /// brought as many touches as a bout can; and if they bring fewer, so many more that it makes up for that by itself.
     pub fn of_share(share: Share, wanted: usize) -> End {
         let bouts = share.of_first(wanted.div_ceil(TOUCHES_PER_BOUT) as u64);
-        let touches = (bouts as usize).saturating_mul(TOUCHES_PER_BOUT);
-        End::AtBout(BoutsDone { bouts, touches, effort: Effort::default() })
+        End { bouts, touches: (bouts as usize).saturating_mul(TOUCHES_PER_BOUT), in_bout: false }
     }
 
     fn is_reached(self, done: &BoutsDone) -> bool {
-        match self {
-            End::AtTouch(wanted) => done.touches >= wanted,
-            End::AtBout(end) => done.bouts >= end.bouts && done.touches >= end.touches,
-        }
+        done.bouts >= self.bouts && done.touches >= self.touches
     }
 }
 
@@ -100,24 +109,20 @@ pub(super) fn gather(
     mut done: BoutsDone,
     end: End,
     (fruitless_bouts, deadline): (u64, Deadline),
-    receive: &mut impl FnMut(Made) -> Result<(), Error>,
-) -> Result<BoutsDone, Error> {
+    receive: &mut dyn FnMut(Made) -> Result<()>,
+) -> Result<BoutsDone> {
     let mut waiting = BTreeMap::new();
     // Threads make bouts in any order: work is counted as if one had been made after the other.
     count_work(MOTION * done.effort.motions as usize);
     'bouts: while !end.is_reached(&done) {
-        let next = bouts.next();
-        if deadline.has_passed() {
-            break;
-        }
-        let Some((number, bout)) = next else { break };
+        let Some((number, bout)) = bouts.next().filter(|_| !deadline.has_passed()) else { break };
         waiting.insert(number, bout);
         while let Some(bout) = waiting.remove(&done.bouts) {
             let bout = bout?;
             for (touch, so_far) in &bout.touches {
                 receive(Made::Touch(touch))?;
                 done.touches += 1;
-                if matches!(end, End::AtTouch(_)) && end.is_reached(&done) {
+                if end.in_bout && end.is_reached(&done) {
                     done.effort += *so_far;
                     return Ok(done);
                 }
@@ -179,7 +184,7 @@ mod tests {
     #[test]
     fn bouts_made_in_any_order_are_handed_on_in_theirs_up_to_the_last_touch_wanted() {
         for order in [[(0, 2), (1, 3), (2, 2)], [(2, 2), (0, 2), (1, 3)]] {
-            let (received, done) = gathered(&order, End::AtTouch(4));
+            let (received, done) = gathered(&order, End::at_touch(4));
             assert_eq!(received, [0, 0, 1, 1]);
             // The first bout took 5 motions; the second touch of the next one came with its fourth.
             assert_eq!((done.bouts, done.touches, done.effort.motions), (1, 4, 9));
@@ -188,18 +193,15 @@ mod tests {
 
     #[test]
     fn nothing_is_handed_on_after_a_gap_and_fruitless_bouts_end_it() {
-        assert_eq!(gathered(&[(0, 1), (2, 5)], End::AtTouch(10)).0, [0]);
-        let (received, done) = gathered(&[(0, 0), (1, 0), (2, 0), (3, 1)], End::AtTouch(1));
+        assert_eq!(gathered(&[(0, 1), (2, 5)], End::at_touch(10)).0, [0]);
+        let (received, done) = gathered(&[(0, 0), (1, 0), (2, 0), (3, 1)], End::at_touch(1));
         assert_eq!((received.len(), done.bouts), (0, 3));
     }
 
     #[test]
     fn shares_of_full_bouts_add_up_to_the_session() {
         for wanted in [1, 25, 26, 990] {
-            let ends = Share::all(7).map(|share| match End::of_share(share, wanted) {
-                End::AtBout(end) => end.bouts,
-                End::AtTouch(_) => panic!("a share ends with a whole bout"),
-            });
+            let ends = Share::all(7).map(|share| End::of_share(share, wanted).bouts);
             assert_eq!(ends.sum::<u64>(), wanted.div_ceil(TOUCHES_PER_BOUT) as u64);
         }
     }

@@ -20,9 +20,9 @@ use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
 use crate::error::{Error, Kind, Result};
 use crate::learning::growth::Growth;
-use crate::senses::{Input, RecordedTouch};
+use crate::senses::Input;
 use crate::share::Share;
-use crate::simulation::{Effort, Ending, MotionUntilTouch, Movers};
+use crate::simulation::{Effort, Ending, Mover, Movers};
 
 /// Touches after which a bout ends.
 const TOUCHES_PER_BOUT: usize = 25;
@@ -81,57 +81,29 @@ impl<'a> Babbler<'a> {
         &self.movers
     }
 
-    /// What so many touches cost; fails where some were wanted and there is none.
-    fn ended(&self, wanted: usize, touches: usize, effort: Effort) -> Result<Effort, Error> {
-        if touches > 0 || wanted == 0 {
-            return Ok(effort);
-        }
-        let Effort { motions, bare, .. } = effort;
-        Err(Error::new(
-            Kind::NoContact,
-            format!(
-                "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give joints wider ranges or \
-                 limbs more girth, or grow more skin"
-            ),
-        ))
-    }
-
-    /// Bouts without a single touch after which babbling is given up.
-    fn fruitless_bouts(&self) -> u64 {
-        if self.movers.is_dynamic() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS }
-    }
-
-    /// Babbles until `options.touches` touches are made, handing on each as soon as all before it are.
-    /// Returns what it cost up to the last of them.
+    /// Babbles by a policy of the creature's own until `options.touches` touches are made, handing on each as soon as all before
+    /// it are: at random in bouts on all threads, which go on from those in `from`, or one motion after the other from the
+    /// beginning on, as [`Babbler::babble_with`]. The touches are those of a session that was never interrupted, from number
+    /// `from.touches` on; returns what all cost, and what a policy learned that learns all that can be.
     ///
     /// # Errors
     /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
     pub fn babble(
         &self,
-        options: &BabblingOptions,
-        mut receive: impl FnMut(&RecordedTouch) -> Result<(), Error>,
-    ) -> Result<Effort, Error> {
-        self.babble_on(BoutsDone::default(), options, |made| match made {
-            Made::Touch(touch) => receive(touch),
-            Made::Bout(..) | Made::Grown(_) => Ok(()),
-        })
-    }
-
-    /// Goes on from where babbling was interrupted: like [`Babbler::babble`], but the bouts in `from` are not made
-    /// again. `receive` is also told of every bout that is done, so that it can be gone on from there. The touches are
-    /// those of a session that was never interrupted, from number `from.touches` on; the effort is that of all.
-    ///
-    /// # Errors
-    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
-    pub fn babble_on(
-        &self,
+        policy: PolicyName,
         from: BoutsDone,
         options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<(), Error>,
-    ) -> Result<Effort, Error> {
-        let end = End::AtTouch(options.touches);
-        let done = self.make_bouts(Share::WHOLE, from, end, options, &mut receive)?;
-        self.ended(options.touches, done.touches, done.effort)
+        mut receive: impl FnMut(Made) -> Result<()>,
+    ) -> Result<(Effort, Option<Growth>)> {
+        if policy == PolicyName::Random {
+            let end = End::at_touch(options.touches);
+            let done = self.make_bouts(Share::WHOLE, from, end, options, &mut receive)?;
+            return Ok((ended(options, done.touches, done.effort)?, None));
+        }
+        let start = PolicyStart { seed: options.seed, input: self.input, deadline: self.deadline };
+        let mut policy = policy.policy(self.movers.agent(), start);
+        let effort = self.babble_with(policy.as_mut(), options, receive)?;
+        Ok((effort, policy.grown().cloned()))
     }
 
     /// Makes a share of the bouts of a session of `options.touches` touches, those in `from`, which counts its own bouts
@@ -139,60 +111,43 @@ impl<'a> Babbler<'a> {
     /// touch is none that fails. Returns how far it came.
     ///
     /// # Errors
-    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    /// If the engine or `receive` fails; touches handed on before stay handed on.
     pub fn babble_share(
         &self,
         share: Share,
         from: BoutsDone,
         options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<(), Error>,
-    ) -> Result<BoutsDone, Error> {
+        mut receive: impl FnMut(Made) -> Result<()>,
+    ) -> Result<BoutsDone> {
         self.make_bouts(share, from, End::of_share(share, options.touches), options, &mut receive)
     }
 
-    /// Goes on like [`Babbler::babble_on`], but takes bouts that were made before where there are some, by their numbers
+    /// Babbles at random like [`Babbler::babble`], but takes bouts that were made before where there are some, by their numbers
     /// from 0 on, and makes on one thread what is missing. The last bout is always made, and held against what was recorded.
     ///
     /// # Errors
-    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    /// As [`Babbler::babble`], and if a bout is not what was recorded.
     pub fn put_together(
         &self,
         from: BoutsDone,
         options: &BabblingOptions,
         mut recorded: impl FnMut(u64) -> Option<RecordedBout>,
-        mut receive: impl FnMut(Made) -> Result<(), Error>,
-    ) -> Result<Effort, Error> {
-        let (mut touches, mut otherwise) = (from.touches, None);
-        let mut mover = None;
-        let mut make = |bout: u64| {
-            if mover.is_none() {
-                mover = Some(self.movers.mover()?);
-            }
-            let mover = mover.as_mut().expect("it was made just now");
-            self.bout(mover.as_mut(), options.seed, bout)
-        };
-        let mut bouts = (from.bouts..).map_while(|bout| {
+        mut receive: impl FnMut(Made) -> Result<()>,
+    ) -> Result<Effort> {
+        let (mut mover, mut touches) = (None, from.touches);
+        let mut bouts = (from.bouts..).map(|bout| {
             // Where a bout is cut short, what it cost up to there has to be known, which no share keeps.
             let made = match recorded(bout) {
                 Some(recorded) if touches + recorded.touches.len() < options.touches => Ok(recorded.into()),
-                recorded => make(bout).inspect(|made| {
-                    let other = recorded.as_ref().is_some_and(|recorded| !made.is(recorded));
-                    otherwise = otherwise.or(other.then_some(bout));
-                }),
+                recorded => {
+                    self.bout(&mut mover, options.seed, bout).and_then(|made| made.checked(bout, recorded))
+                }
             };
             touches += made.as_ref().map_or(0, |made: &Bout| made.touches.len());
-            otherwise.is_none().then_some((bout, made))
+            (bout, made)
         });
-        let end = End::AtTouch(options.touches);
-        let done = gather(&mut bouts, from, end, (self.fruitless_bouts(), self.deadline), &mut receive)?;
-        drop(bouts);
-        match otherwise {
-            Some(bout) => Err(Error::model(format!(
-                "bout {bout} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
-                 on a machine that reckons otherwise; make that share again, here"
-            ))),
-            None => self.ended(options.touches, done.touches, done.effort),
-        }
+        let done = gather(&mut bouts, from, End::at_touch(options.touches), self.limits(), &mut receive)?;
+        ended(options, done.touches, done.effort)
     }
 
     /// Makes a share of bouts on all threads, those after `from`, and hands them on in their order.
@@ -202,8 +157,8 @@ impl<'a> Babbler<'a> {
         from: BoutsDone,
         end: End,
         options: &BabblingOptions,
-        receive: &mut impl FnMut(Made) -> Result<(), Error>,
-    ) -> Result<BoutsDone, Error> {
+        receive: &mut dyn FnMut(Made) -> Result<()>,
+    ) -> Result<BoutsDone> {
         let (next_bout, done) = (AtomicU64::new(from.bouts), AtomicBool::new(false));
         let jobs = options.jobs.max(1);
         // A bounded channel keeps the threads from running far ahead of the receiver.
@@ -213,16 +168,10 @@ impl<'a> Babbler<'a> {
                 let sender = sender.clone();
                 let (next_bout, done) = (&next_bout, &done);
                 scope.spawn(move || {
-                    let mut mover = match self.movers.mover() {
-                        Ok(mover) => mover,
-                        Err(error) => {
-                            let _ = sender.send((next_bout.fetch_add(1, Ordering::Relaxed), Err(error)));
-                            return;
-                        }
-                    };
+                    let mut mover = None;
                     while !done.load(Ordering::Relaxed) && !self.deadline.has_passed() {
                         let own = next_bout.fetch_add(1, Ordering::Relaxed);
-                        let made = self.bout(mover.as_mut(), options.seed, share.piece(own));
+                        let made = self.bout(&mut mover, options.seed, share.piece(own));
                         if sender.send((own, made)).is_err() {
                             break;
                         }
@@ -230,8 +179,7 @@ impl<'a> Babbler<'a> {
                 });
             }
             drop(sender);
-            let result =
-                gather(&mut receiver.iter(), from, end, (self.fruitless_bouts(), self.deadline), receive);
+            let result = gather(&mut receiver.iter(), from, end, self.limits(), receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
@@ -239,86 +187,12 @@ impl<'a> Babbler<'a> {
         })
     }
 
-    /// Babbles by a policy, one motion after the other from where the last one stopped, or from the start after a
-    /// thousand without a touch, until `options.touches` touches are made; all belong to bout 0. It works on one thread, whatever
-    /// `options.jobs`, for each motion depends on all before it. `receive` is also told what the policy has learned after
-    /// each touch, where it learns all that can be. Returns what it cost.
-    ///
-    /// # Errors
-    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
-    pub fn babble_with(
-        &self,
-        policy: &mut dyn Policy,
-        options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<(), Error>,
-    ) -> Result<Effort, Error> {
-        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-        let mut mover = self.movers.mover()?;
-        mover.draw_noise_from(noise_of(options.seed, 0));
-        let fruitless_motions = self.fruitless_bouts() * MOTIONS_PER_BOUT;
-        // What was done before the body was last put back to where it starts.
-        let mut before = Effort::default();
-        let (mut received, mut last) = (0, 0);
-        while received < options.touches && !policy.is_done() && !self.deadline.has_passed() {
-            if policy.starts_over() {
-                before += mover.effort();
-                mover.reset(self.movers.start())?;
-            }
-            let posture = mover.felt_posture()?;
-            let target = policy.next_target(&posture, &mut rng);
-            let ending = mover.advance(&target)?;
-            count_work(MOTION);
-            let mut effort = before;
-            effort += mover.effort();
-            let motion = effort.motions;
-            if let Ending::Touch(met) = ending {
-                let mut touch = mover.touch(0, met)?;
-                touch.motion = motion;
-                policy.touched(&touch.felt(self.input));
-                receive(Made::Touch(&touch))?;
-                if let Some(growth) = policy.grown() {
-                    receive(Made::Grown(growth))?;
-                }
-                (received, last) = (received + 1, motion);
-            } else {
-                policy.missed(&ending, &mover.felt_posture()?);
-                if motion - last >= fruitless_motions {
-                    break;
-                }
-                // A body may have got caught in itself, where all ways out begin with the contact that it is in.
-                if (motion - last).is_multiple_of(MOTIONS_PER_BOUT) {
-                    before = effort;
-                    mover.reset(self.movers.start())?;
-                }
-            }
-        }
-        before += mover.effort();
-        self.ended(options.touches, received, before)
-    }
-
-    /// Babbles by a policy of the creature's own, named: at random in bouts on all threads, from where those in `from` end, or
-    /// one motion after the other from the beginning on. Returns what it cost, and what was learned on the way by a policy that learns all that can be.
-    ///
-    /// # Errors
-    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
-    pub fn babble_by(
-        &self,
-        policy: PolicyName,
-        from: BoutsDone,
-        options: &BabblingOptions,
-        receive: impl FnMut(Made) -> Result<(), Error>,
-    ) -> Result<(Effort, Option<Growth>), Error> {
-        if policy == PolicyName::Random {
-            return Ok((self.babble_on(from, options, receive)?, None));
-        }
-        let start = PolicyStart { seed: options.seed, input: self.input, deadline: self.deadline };
-        let mut policy = policy.policy(self.movers.agent(), start);
-        let effort = self.babble_with(policy.as_mut(), options, receive)?;
-        Ok((effort, policy.grown().cloned()))
-    }
-
-    /// One bout, the same whoever makes it and when.
-    fn bout(&self, mover: &mut dyn MotionUntilTouch, seed: u64, bout: u64) -> Result<Bout> {
+    /// One bout, the same whoever makes it and when; by a mover that is there already, or made for it.
+    fn bout<'m>(&'m self, mover: &mut Option<Mover<'m>>, seed: u64, bout: u64) -> Result<Bout> {
+        let mover = match mover {
+            Some(mover) => mover,
+            None => mover.insert(self.movers.mover()?),
+        };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(bout);
         mover.reset(self.movers.start())?;
@@ -332,9 +206,85 @@ impl<'a> Babbler<'a> {
                 touches.push((mover.touch(bout, met)?, mover.effort()));
             }
         }
-        let (is_whole, effort) = (is_whole(touches.len(), mover.effort().motions), mover.effort());
-        Ok(Bout { touches, effort, is_whole })
+        let effort = mover.effort();
+        Ok(Bout { is_whole: is_whole(touches.len(), effort.motions), touches, effort })
     }
+
+    /// Babbles by a policy, one motion after the other from where the last one stopped, or from the start after a
+    /// thousand without a touch, until `options.touches` touches are made; all belong to bout 0. It works on one thread, whatever
+    /// `options.jobs`, for each motion depends on all before it. `receive` is also given what the policy has learned after
+    /// each touch, if it learns all that can be. Returns what it cost.
+    ///
+    /// # Errors
+    /// If the engine or `receive` fails, or nothing is touched; touches handed on before stay handed on.
+    pub fn babble_with(
+        &self,
+        policy: &mut dyn Policy,
+        options: &BabblingOptions,
+        mut receive: impl FnMut(Made) -> Result<()>,
+    ) -> Result<Effort> {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+        let mut mover = self.movers.mover()?;
+        mover.draw_noise_from(noise_of(options.seed, 0));
+        // What was done before the body was last put back to where it starts, and up to now.
+        let (mut before, mut effort) = (Effort::default(), Effort::default());
+        let (mut received, mut in_vain) = (0, 0);
+        while received < options.touches && !policy.is_done() && !self.deadline.has_passed() {
+            // A body may have got caught in itself, where all ways out begin with the contact that it is in.
+            let caught = in_vain > 0 && in_vain % MOTIONS_PER_BOUT == 0;
+            if policy.starts_over() || caught {
+                before = effort;
+                mover.reset(self.movers.start())?;
+            }
+            let target = policy.next_target(&mover.felt_posture()?, &mut rng);
+            let ending = mover.advance(&target)?;
+            count_work(MOTION);
+            effort = before;
+            effort += mover.effort();
+            if let Ending::Touch(met) = ending {
+                let mut touch = mover.touch(0, met)?;
+                touch.motion = effort.motions;
+                policy.touched(&touch.felt(self.input));
+                receive(Made::Touch(&touch))?;
+                if let Some(growth) = policy.grown() {
+                    receive(Made::Grown(growth))?;
+                }
+                (received, in_vain) = (received + 1, 0);
+            } else {
+                policy.missed(&ending, &mover.felt_posture()?);
+                in_vain += 1;
+                if in_vain >= self.fruitless_bouts() * MOTIONS_PER_BOUT {
+                    break;
+                }
+            }
+        }
+        ended(options, received, effort)
+    }
+
+    /// Bouts without a single touch after which babbling is given up.
+    fn fruitless_bouts(&self) -> u64 {
+        if self.movers.is_dynamic() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS }
+    }
+
+    /// When babbling ends though not all touches are made.
+    fn limits(&self) -> (u64, Deadline) {
+        (self.fruitless_bouts(), self.deadline)
+    }
+}
+
+/// What so many touches cost; fails if some were wanted and there is none.
+fn ended(options: &BabblingOptions, touches: usize, effort: Effort) -> Result<Effort> {
+    if touches > 0 || options.touches == 0 {
+        return Ok(effort);
+    }
+    let Effort { motions, bare, .. } = effort;
+    Err(Error::new(
+        Kind::NoContact,
+        format!(
+            "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give joints wider ranges or \
+             limbs more girth, or grow more skin"
+        ),
+    ))
 }
 
 /// The random stream that the noise of the senses is drawn from in a bout: none that targets are drawn from.

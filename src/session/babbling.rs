@@ -213,7 +213,7 @@ impl<'a> BabblingSession<'a> {
                 Some(share) => {
                     babbler.babble_share(*share, done, babbling, receive).map(|done| (done.effort, None))
                 }
-                None => babbler.babble_by(*policy, done, babbling, receive),
+                None => babbler.babble(*policy, done, babbling, receive),
             };
             made.map_err(Error::of_model(model))
         })

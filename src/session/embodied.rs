@@ -171,7 +171,7 @@ impl Embodied {
         options: &BabblingOptions,
     ) -> Result<(Vec<RecordedTouch>, Option<Growth>)> {
         let mut touches = Vec::new();
-        let made = babbler.babble_by(policy, BoutsDone::default(), options, |made| {
+        let made = babbler.babble(policy, BoutsDone::default(), options, |made| {
             if let Made::Touch(touch) = made {
                 touches.push(touch.clone());
             }

@@ -11,7 +11,7 @@ use bodyschema::creature::{Body, DofKind, JointSelection, Posture};
 use bodyschema::mujoco::{Contact, Data, Model};
 use bodyschema::senses::RecordedTouch;
 use bodyschema::session::TouchWriter;
-use bodyschema::simulation::{DEEPEST, Ending, MotionName, MotionUntilTouch, Movers, SelfContact};
+use bodyschema::simulation::{DEEPEST, Ending, MotionName, Movers, SelfContact};
 use bodyschema::skin::{GrowOptions, Skin, grow};
 use nalgebra::{Point3, Quaternion, UnitQuaternion};
 use rand::SeedableRng;
@@ -233,7 +233,7 @@ fn touches_of_other_shapes_are_confirmed_alike() {
     for (name, body) in other_shapes() {
         let agent = Agent::of(&body).unwrap();
         let babbler = Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).unwrap());
-        let mut mover = babbler.movers().kinematic().unwrap();
+        let mut mover = babbler.movers().mover().unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let (mut touches, mut onward) = (Vec::new(), Vec::new());
         // A whole bout would take long where motions feel their way in steps.
@@ -328,7 +328,7 @@ fn assert_nothing_jumped(name: &str, mut judge: Judge, motions: usize, steps: us
     let body = judge.body;
     let agent = Agent::new(body.creature.clone(), grow(body, &GrowOptions::default()).unwrap()).unwrap();
     let babbler = Babbler::new(Movers::new(body, &agent, MotionName::Kinematic).unwrap());
-    let mut mover = babbler.movers().kinematic().unwrap();
+    let mut mover = babbler.movers().mover().unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(17);
     let (mut stops, mut free) = (0, 0);
     for motion in 0..10 * motions {

@@ -7,10 +7,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bodyschema::agent::Agent;
-use bodyschema::babbling::{Babbler, BabblingOptions};
+use bodyschema::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::mujoco::{GeomKind, Model};
-use bodyschema::senses::RecordedTouch;
 use bodyschema::simulation::{MotionName, Movers};
 use bodyschema::skin::{GrowOptions, grow};
 use serde::{Deserialize, Serialize};
@@ -73,7 +72,8 @@ fn touches(creature: &str) -> Vec<Written> {
     };
     let babbler = Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).unwrap());
     let mut made = Vec::new();
-    let write = |touch: &RecordedTouch| {
+    let write = |news: Made| {
+        let Made::Touch(touch) = news else { return Ok(()) };
         let mut shapes = touch.ends.map(|end| format!("{:?}", shape(end.receptor)).to_lowercase());
         shapes.sort();
         made.push(Written {
@@ -86,7 +86,8 @@ fn touches(creature: &str) -> Vec<Written> {
         });
         Ok(())
     };
-    babbler.babble(&BabblingOptions { touches: TOUCHES, seed: 1, jobs: 2 }, write).unwrap();
+    let options = BabblingOptions { touches: TOUCHES, seed: 1, jobs: 2 };
+    babbler.babble(PolicyName::Random, BoutsDone::default(), &options, write).unwrap();
     made
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::common::{max, repository, take};
 use bodyschema::agent::Agent;
-use bodyschema::babbling::{Babbler, BabblingOptions};
+use bodyschema::babbling::{Babbler, BabblingOptions, BoutsDone, PolicyName};
 use bodyschema::creature::DofKind;
 use bodyschema::mujoco::{Data, JointKind, Model, ObjectKind, SensorKind};
 use bodyschema::simulation::{MotionName, Movers};
@@ -185,7 +185,8 @@ fn at_nearly_every_stop_of_babbling_skin_meets_skin() {
         let agent = Agent::of(&body).unwrap();
         let babbler = Babbler::new(Movers::new(&body, &agent, MotionName::Kinematic).unwrap());
         let options = BabblingOptions { touches: 500, seed: 5, jobs: 2 };
-        let effort = babbler.babble(&options, |_| Ok(())).unwrap();
+        let from = BoutsDone::default();
+        let (effort, _) = babbler.babble(PolicyName::Random, from, &options, |_| Ok(())).unwrap();
         let share = options.touches as f64 / (options.touches as f64 + effort.bare as f64);
         assert!(share >= TOUCH_SHARE, "{joints}: {share}");
     }

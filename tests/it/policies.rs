@@ -9,7 +9,7 @@ use bodyschema::babbling::policy::{Foreseen, Foresight};
 use bodyschema::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use bodyschema::creature::{Body, Posture};
 use bodyschema::senses::RecordedTouch;
-use bodyschema::simulation::{Effort, Ending, MotionName, MotionUntilTouch, Movers};
+use bodyschema::simulation::{Effort, Ending, MotionName, Movers};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -28,7 +28,7 @@ fn babble_by(body: &Body, policy: PolicyName, touches: usize, jobs: usize) -> (V
         }
         Ok(())
     };
-    let (effort, _) = babbler.babble_by(policy, BoutsDone::default(), &options, receive).unwrap();
+    let (effort, _) = babbler.babble(policy, BoutsDone::default(), &options, receive).unwrap();
     (made, effort)
 }
 
@@ -81,7 +81,7 @@ fn what_a_motion_touches_first_is_foreseen_by_the_schema() {
     let movers = Movers::new(&body, &agent, MotionName::Kinematic).unwrap();
     let right_with = |schema| {
         let mut foresight = Foresight::new(&agent);
-        let mut mover = movers.kinematic().unwrap();
+        let mut mover = movers.mover().unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let (mut right, mut wrong) = (0, 0);
         for motion in 0..400 {

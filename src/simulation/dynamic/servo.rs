@@ -2,17 +2,20 @@
 //!
 //! Computed-torque control: what the wanted acceleration costs with the body's inertia, and what gravity, Coriolis and
 //! passive forces ask for besides. What lags behind its way is drawn after it like a critically damped spring, which
-//! yields where something is in the way.
+//! yields where something is in the path.
 
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::creature::Body;
-use crate::creature::ball;
+use crate::creature::{Body, ball};
 use crate::error::Result;
-use crate::mujoco::{Data, JointKind, Model};
+use crate::mujoco::{Data, JointKind, LONGEST_STEP, Model};
 
+/// How many steps of the next finer kind are in one.
+pub(super) const FINER: f64 = 16.0;
+/// Kinds of steps.
+const LEVELS: i32 = 3;
 /// How fast a servo makes up for what it lags behind, radians per second.
 const STIFFNESS: f64 = 25.0;
 /// The most that a servo pulls for: a joint that is held up lags behind further, but no harder; radians …
@@ -29,7 +32,6 @@ const SHORTEST: f64 = 0.3;
 const PEAK: f64 = 1.875;
 
 /// One joint of the model that the creature moves.
-#[derive(Clone, Copy, Debug)]
 struct Drive {
     kind: JointKind,
     /// The place of its first coordinate in `qpos`.
@@ -38,30 +40,36 @@ struct Drive {
     velocity: usize,
 }
 
-/// The servos of a body.
-#[derive(Clone, Debug)]
-pub(super) struct Servo {
+/// The servos of a body, and its model in the steps that they work in: what its simulations share.
+pub(in crate::simulation) struct Servo {
+    /// The body's model in ever finer steps.
+    pub(super) levels: Vec<Arc<Model>>,
     drives: Vec<Drive>,
     /// Per number of `qpos`, whether a servo moves it.
     moved: Vec<bool>,
     /// Per number of `qvel`, whether it stays where it is.
-    pub rigid: Vec<bool>,
+    rigid: Vec<bool>,
 }
 
 /// A way between two vectors `qpos`: minimum jerk, every joint straight, all of them at the same pace.
-#[derive(Clone, Debug)]
-pub(super) struct ServoPath {
+pub(in crate::simulation) struct ServoPath {
     start: Vec<f64>,
     /// Per number of `qvel`, how far it goes; balls in the frame that they turn.
     length: Vec<f64>,
-    /// How long it takes, seconds.
-    pub duration: f64,
+    /// When it begins, and how long it takes, seconds.
+    pub began: f64,
+    duration: f64,
 }
 
 impl ServoPath {
+    /// When it ends, seconds.
+    pub fn end(&self) -> f64 {
+        self.began + self.duration
+    }
+
     /// The share of the way at a time, its rate and the rate of that.
     fn pace(&self, time: f64) -> [f64; 3] {
-        let u = (time / self.duration).clamp(0.0, 1.0);
+        let u = ((time - self.began) / self.duration).clamp(0.0, 1.0);
         let (rate, t) = (1.0 / self.duration, 1.0 - u);
         [
             u * u * u * (10.0 - 15.0 * u + 6.0 * u * u),
@@ -73,7 +81,10 @@ impl ServoPath {
 
 impl Servo {
     /// Servos for what the creature moves; all other joints of the model stay where they are.
-    pub fn new(body: &Body) -> Servo {
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn new(body: &Body) -> Result<Servo> {
         let model = &body.model;
         let (mut moved, mut rigid) = (vec![false; model.nq()], vec![true; model.nv()]);
         let joints = body.segments.iter().flat_map(|segment| &segment.joints);
@@ -84,11 +95,18 @@ impl Servo {
             Drive { kind: joint.kind, coordinate: joint.qposadr, velocity: joint.dofadr }
         };
         let drives = joints.map(drive).collect();
-        Servo { drives, moved, rigid }
+        let first = model.timestep().min(LONGEST_STEP);
+        let level = |level: i32| {
+            // From the model as it was declared: the engine cannot copy one whose excludes are gone.
+            let simulated = body.declared.simulated(first / FINER.powi(level), &rigid, false)?;
+            Ok(Arc::new(simulated.touching_with(body.surface())?))
+        };
+        let levels = (0..LEVELS).map(level).collect::<Result<_>>()?;
+        Ok(Servo { levels, drives, moved, rigid })
     }
 
-    /// The way from one `qpos` to another.
-    pub fn way(&self, start: &[f64], target: &[f64]) -> ServoPath {
+    /// The way from one `qpos` to another, from a time on.
+    pub fn path(&self, start: &[f64], target: &[f64], began: f64) -> ServoPath {
         let mut length = vec![0.0; self.rigid.len()];
         let mut duration = SHORTEST;
         for drive in &self.drives {
@@ -103,23 +121,23 @@ impl Servo {
                 duration = f64::max(duration, PEAK * length[drive.velocity].abs() / speed);
             }
         }
-        ServoPath { start: start.to_vec(), length, duration }
+        ServoPath { start: start.to_vec(), length, began, duration }
     }
 
     /// How far the body is from its way at a time: per number of `qvel`, radians and metres.
-    pub fn lag(&self, way: &ServoPath, time: f64, qpos: &[f64]) -> Vec<f64> {
-        let [share, ..] = way.pace(time);
+    pub fn lag(&self, path: &ServoPath, time: f64, qpos: &[f64]) -> Vec<f64> {
+        let [share, ..] = path.pace(time);
         let mut lag = vec![0.0; self.rigid.len()];
         for drive in &self.drives {
             let (q, v) = (drive.coordinate, drive.velocity);
             if drive.kind == JointKind::Ball {
                 let turned = UnitQuaternion::from_scaled_axis(
-                    Vector3::from_column_slice(&way.length[v..v + 3]) * share,
+                    Vector3::from_column_slice(&path.length[v..v + 3]) * share,
                 );
-                let behind = (ball(&qpos[q..]).inverse() * ball(&way.start[q..]) * turned).scaled_axis();
+                let behind = (ball(&qpos[q..]).inverse() * ball(&path.start[q..]) * turned).scaled_axis();
                 lag[v..v + 3].copy_from_slice(behind.as_slice());
             } else {
-                lag[v] = way.start[q] + share * way.length[v] - qpos[q];
+                lag[v] = path.start[q] + share * path.length[v] - qpos[q];
             }
         }
         lag
@@ -127,19 +145,19 @@ impl Servo {
 
     /// The forces on all degrees of freedom at a time of the way, newtons and newton metres; after
     /// [`Data::step1`].
-    pub fn forces(&self, way: &ServoPath, time: f64, data: &Data) -> Vec<f64> {
-        let [_, rate, change] = way.pace(time);
+    pub fn forces(&self, path: &ServoPath, time: f64, data: &Data) -> Vec<f64> {
+        let [_, rate, change] = path.pace(time);
         let mut wanted = vec![0.0; self.rigid.len()];
-        let lag = self.lag(way, time, data.qpos());
+        let lag = self.lag(path, time, data.qpos());
         for drive in &self.drives {
             let v = drive.velocity..drive.velocity + drive.kind.nv();
             let most = if drive.kind == JointKind::Slide { YIELD_SHIFT } else { YIELD_ANGLE };
             let behind = lag[v.clone()].iter().map(|x| x * x).sum::<f64>().sqrt();
             let pull = if behind > most { most / behind } else { 1.0 };
             for k in v {
-                let slow = rate * way.length[k] - data.qvel()[k];
+                let slow = rate * path.length[k] - data.qvel()[k];
                 wanted[k] =
-                    change * way.length[k] + 2.0 * STIFFNESS * slow + STIFFNESS * STIFFNESS * pull * lag[k];
+                    change * path.length[k] + 2.0 * STIFFNESS * slow + STIFFNESS * STIFFNESS * pull * lag[k];
             }
         }
         let mut forces = data.mul_inertia(&wanted);
@@ -158,20 +176,4 @@ impl Servo {
             *v = 0.0;
         }
     }
-}
-
-/// The body's models for simulation in ever finer steps, `finer` times each.
-pub(super) fn levels(
-    body: &Body,
-    servo: &Servo,
-    longest: f64,
-    finer: f64,
-    count: usize,
-) -> Result<Vec<Arc<Model>>> {
-    let first = body.model.timestep().min(longest);
-    let step = |level: usize| first / finer.powi(level as i32);
-    // From the model as it was declared: the engine cannot copy one whose excludes are gone.
-    let model =
-        |level| body.declared.simulated(step(level), &servo.rigid, false)?.touching_with(body.surface());
-    (0..count).map(|level| Ok(Arc::new(model(level)?))).collect()
 }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bodyschema::agent::Agent;
-use bodyschema::babbling::{Babbler, BabblingOptions};
+use bodyschema::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use bodyschema::creature::{Body, JointSelection};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::{Certainty, Input, Learner, SecondOrder};
@@ -72,12 +72,13 @@ pub fn babble(body: &Body, agent: &Agent, touches: usize, seed: u64, jobs: usize
     let babbler = Babbler::new(Movers::new(body, agent, MotionName::Kinematic).unwrap());
     let mut made = Vec::new();
     let options = BabblingOptions { touches, seed, jobs };
-    babbler
-        .babble(&options, |touch| {
+    let receive = |news: Made| {
+        if let Made::Touch(touch) = news {
             made.push(touch.clone());
-            Ok(())
-        })
-        .unwrap();
+        }
+        Ok(())
+    };
+    babbler.babble(PolicyName::Random, BoutsDone::default(), &options, receive).unwrap();
     made
 }
 
