@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bodyschema::creature::JointSelection;
-use bodyschema::senses::TouchKind;
+use bodyschema::senses::{Aura, TouchKind};
 use bodyschema::simulation::partner::Strokes;
 use bodyschema::simulation::{Stage, StageOptions};
 use rand::SeedableRng;
@@ -23,7 +23,7 @@ fn main() {
         ..StageOptions::default()
     };
     let stage = Stage::new(&path, &options).expect("Max is a creature");
-    stage.grow_aura();
+    stage.sense(Aura::watch_out);
     let (mut bare, mut felt) = (Duration::ZERO, Duration::ZERO);
     let (mut steps, mut simulated, mut events) = (0u64, 0.0, 0usize);
     for seed in 0..STROKES {

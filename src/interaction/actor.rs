@@ -171,7 +171,7 @@ impl Actor {
             })
         };
         let limbs = [limb(hands[0])?, limb(hands[1])?];
-        let up = handle.sense::<Balance>().unwrap_or_default().up;
+        let up = handle.sense(|balance: &mut Balance| balance.up);
         // A creature that lies has no front along x; any horizontal direction is as good.
         let level = |v: Vector3<f64>| (v - up * v.dot(&up)).try_normalize(1e-3);
         let front = level(Vector3::x()).or(level(Vector3::y())).unwrap_or_else(Vector3::x);

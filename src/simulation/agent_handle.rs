@@ -4,7 +4,7 @@ use super::Stage;
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::error::Result;
-use crate::senses::{Approach, Sense, SkinContact};
+use crate::senses::{Proprioception, Sense, SkinContact};
 
 /// What a creature has of the stage that it is on: it moves, feels, holds and lets go. Where things are, or its own limbs,
 /// it cannot ask:
@@ -21,14 +21,10 @@ use crate::senses::{Approach, Sense, SkinContact};
 /// }
 /// ```
 pub struct AgentHandle {
-    stage: Stage,
+    pub(super) stage: Stage,
 }
 
 impl AgentHandle {
-    pub(super) fn new(stage: Stage) -> AgentHandle {
-        AgentHandle { stage }
-    }
-
     /// What it is given of itself.
     pub fn agent(&self) -> &Agent {
         self.stage.agent()
@@ -36,12 +32,15 @@ impl AgentHandle {
 
     /// The posture that it feels itself in.
     pub fn posture(&self) -> Posture {
-        self.stage.felt_posture()
+        self.sense(|posture: &mut Proprioception| posture.felt().clone())
     }
 
-    /// What one of [`SENSES`](crate::senses::SENSES) tells, by its type; nothing where it is not among them.
-    pub fn sense<S: Sense + Clone>(&self) -> Option<S> {
-        self.stage.sense()
+    /// Asks one of its senses, by its type.
+    ///
+    /// # Panics
+    /// If it is neither among [`SENSES`](crate::senses::SENSES) nor among those that the stage was set up with.
+    pub fn sense<S: Sense, T>(&self, ask: impl FnOnce(&mut S) -> T) -> T {
+        self.stage.sense(ask)
     }
 
     /// The length of a step, seconds.
@@ -64,7 +63,12 @@ impl AgentHandle {
 
     /// Holds what the limb of a receptor touches by a weld, until it is let go; whether there was something that can be held.
     pub fn hold(&mut self, receptor: usize) -> bool {
-        self.stage.hold(receptor)
+        self.stage.core.borrow_mut().hold(receptor)
+    }
+
+    /// Lets go of all that it took hold of.
+    pub fn let_go(&mut self) {
+        self.stage.core.borrow_mut().let_go();
     }
 
     /// Holds out the hand of a receptor for a stick, which a partner puts there if there is one: the number that other skin
@@ -73,7 +77,7 @@ impl AgentHandle {
     /// # Errors
     /// Where the engine fails.
     pub fn take_stick(&mut self, receptor: usize) -> Result<Option<usize>> {
-        self.stage.give_any_stick(receptor)
+        self.stage.core.borrow_mut().give_any_stick(receptor)
     }
 
     /// Gives back the stick that it was given.
@@ -81,21 +85,6 @@ impl AgentHandle {
     /// # Errors
     /// Where the engine fails.
     pub fn give_stick_back(&mut self) -> Result<()> {
-        self.stage.take_sticks_back()
-    }
-
-    /// Lets go of all that it took hold of.
-    pub fn let_go(&mut self) {
-        self.stage.let_go();
-    }
-
-    /// Watches out for what comes near from now on.
-    pub fn watch_out(&mut self) {
-        self.stage.grow_aura();
-    }
-
-    /// What is near, where it watches out for it.
-    pub fn approaches(&self) -> Vec<Approach> {
-        self.stage.approaches()
+        self.stage.core.borrow_mut().take_sticks_back()
     }
 }

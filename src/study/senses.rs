@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{By, Column, Row, Studied, Study, Trial};
 use crate::creature::JointSelection;
 use crate::error::{Error, Result};
-use crate::senses::{Party, Sensation, TouchEvent, TouchKind};
+use crate::senses::{Party, Sensation, TouchEvent, TouchKind, TouchSensor};
 use crate::simulation::partner::{Stimulation, Strokes};
 use crate::simulation::{Stage, StepSenses};
 use crate::skin::SomatotopicMap;
@@ -96,15 +96,16 @@ impl Doing {
 fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let stage = subject.stage(&JointSelection::All, &["probe"], Vec::new())?;
-    let map = stage.map();
+    let map = stage.sense(|sensor: &mut TouchSensor| sensor.map().clone());
     let mut rows = Vec::new();
     for (stream, doing) in Doing::ALL.into_iter().enumerate().filter(|(_, doing)| trial.asks(doing.name())) {
         let mut rng = ChaCha8Rng::seed_from_u64(trial.seed);
         rng.set_stream(stream as u64);
-        stage.feel_by(match doing {
+        let followed = match doing {
             Doing::Unlinked => SomatotopicMap::of_links(map.receptors(), map.pairs().step_by(2)),
             _ => map.clone(),
-        });
+        };
+        stage.sense(|sensor| *sensor = TouchSensor::new(followed, stage.skin()));
         let mut row = match doing.draw(&stage, &mut rng) {
             Some(done) => compared(&stage, &done)?,
             None => json!({"reported": "no room for it"}),

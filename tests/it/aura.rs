@@ -9,7 +9,7 @@ use bodyschema::creature::{Body, JointSelection, Posture};
 use bodyschema::geometry::{Frame, Shape};
 use bodyschema::kinematics::InverseKinematics;
 use bodyschema::mujoco::Model;
-use bodyschema::senses::Toucher;
+use bodyschema::senses::{Aura, Toucher};
 use bodyschema::simulation::{AgentHandle, ProbePath, Stage, StageOptions, Substance, Thing};
 use bodyschema::skin::{AURA_REACH, GrowOptions, ProximityGeometry, aura_of, grow_skin, skin_of};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -120,6 +120,11 @@ fn an_aura_is_as_large_as_its_author_has_it_and_what_has_none_is_grown() {
     assert!((of("trunk").capsule.radius - 0.1 - AURA_REACH).abs() < 1e-9);
 }
 
+/// The limbs that contacts are foreseen with.
+fn limbs_in_danger(aura: &mut Aura) -> Vec<usize> {
+    aura.approaches().filter_map(|approach| Some(approach.contact.as_ref()?.limb)).collect()
+}
+
 /// Max with his left hand at a ball that it holds, and with a ball that goes by itself.
 fn holding() -> (Stage, AgentHandle, usize) {
     let ball = |name: &str| Thing {
@@ -154,7 +159,7 @@ fn what_a_hand_holds_alarms_neither_it_nor_what_moves_with_it_but_what_it_is_bro
     let felt = handle.step(&start).unwrap();
     assert!(felt.iter().any(|contact| contact.by == Toucher::Thing(thing)));
     assert!(handle.hold(receptor));
-    handle.watch_out();
+    handle.sense(Aura::watch_out);
     // The arm is raised and lowered to all sides.
     let coordinate = |name: &str| creature.dofs().position(|dof| dof.name == name).unwrap();
     let [abduction, flexion, elbow] =
@@ -165,8 +170,7 @@ fn what_a_hand_holds_alarms_neither_it_nor_what_moves_with_it_but_what_it_is_bro
         for k in 1..=300 {
             let posture = Posture::between(&creature, &before, to, f64::from(k) / 300.0);
             handle.step(&posture).unwrap();
-            threatened
-                .extend(handle.approaches().into_iter().filter_map(|approach| Some(approach.contact?.limb)));
+            threatened.extend(handle.sense(limbs_in_danger));
         }
         threatened
     };
@@ -211,13 +215,12 @@ fn which_limb_a_ball_is_going_to_touch_is_foreseen() {
         let ends = [0.9, -0.05].map(|along: f64| target + from * along);
         stage.send_probe(0, ProbePath(vec![(time, ends[0]), (time + seconds, ends[1])])).unwrap();
         // Nothing was near before.
-        stage.grow_aura();
+        stage.sense(Aura::watch_out);
         let mut told: Vec<(f64, Option<usize>)> = Vec::new();
         let mut hit = None;
         while hit.is_none() && stage.time() < time + seconds {
             let step = stage.step().unwrap();
-            let approach = stage.approaches().into_iter().find_map(|approach| approach.contact);
-            told.push((step.time, approach.map(|contact| contact.limb)));
+            told.push((step.time, stage.sense(limbs_in_danger).first().copied()));
             hit = step.contacts.first().map(|contact| (step.time, contact.spot.limb));
         }
         stage.withdraw_probe(0).unwrap();

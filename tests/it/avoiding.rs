@@ -7,7 +7,7 @@ use bodyschema::geometry::Shape;
 use bodyschema::interaction::{Actor, Avoiding, PlaceGoal};
 use bodyschema::learning::Certainty;
 use bodyschema::peripersonal::{Barrier, OwnBody, PlaceVelocity, VelocityProgram};
-use bodyschema::senses::Toucher;
+use bodyschema::senses::{Aura, Toucher};
 use bodyschema::simulation::{ProbePath, Stage, StageOptions, Substance, Thing};
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -95,14 +95,14 @@ fn the_aura_tells_where_the_nearest_point_of_a_thing_is() {
     let (stage, mut actor, thing) = beside_a_ball();
     let at_ease = Posture::start(actor.own.creature());
     stage.place(&at_ease).unwrap();
-    stage.grow_aura();
+    stage.sense(Aura::watch_out);
     let hand = actor.hands[1].limb;
     let middle =
         stage.root_pose() * Point3::from(actor.frames()[hand].origin) + Vector3::new(0.2, -0.1, -0.05);
     let time = stage.time();
     stage.send_thing(thing, ProbePath(vec![(time, middle.coords)]));
     actor.step(&at_ease).unwrap();
-    let approach = &stage.approaches()[0];
+    let approach = &stage.sense(|aura: &mut Aura| aura.approaches().next().cloned()).unwrap();
     assert_eq!(approach.object, thing);
     let frame = stage.limb_pose(approach.limb);
     let nearest = frame * Point3::from(approach.point + approach.toward * approach.distance);

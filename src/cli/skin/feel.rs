@@ -11,7 +11,7 @@ use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, open_body};
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
-use crate::senses::TouchKind;
+use crate::senses::{Aura, TouchKind, TouchSensor};
 use crate::session::{StrokedSession, read_map, record_strokes};
 use crate::simulation::partner::{Script, Strokes};
 use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_json};
@@ -77,7 +77,8 @@ pub fn run(args: &FeelArguments) -> Outcome {
     let stage = Stage::new(&args.model, &options);
     let stage = stage.map_err(|error| Failure(format!("{}: {error}", args.model.display())))?;
     if let Some(file) = &args.map {
-        stage.feel_by(read_map(file, stage.agent().creature().name(), stage.skin())?);
+        let map = read_map(file, stage.agent().creature().name(), stage.skin())?;
+        stage.sense(|sensor| *sensor = TouchSensor::new(map, stage.skin()));
     }
     if stage.skin().receptors.is_empty() {
         return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
@@ -85,7 +86,7 @@ pub fn run(args: &FeelArguments) -> Outcome {
     if let Some(minutes) = args.strokes {
         return strokes(args, &stage, minutes);
     }
-    stage.grow_aura();
+    stage.sense(Aura::watch_out);
     let Some(script) = script else { return at_random(args, &stage) };
     let paths = script.paths(&stage).map_err(|clause| {
         let file = args.script.as_deref().unwrap_or(&args.model);

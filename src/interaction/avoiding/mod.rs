@@ -28,7 +28,7 @@ use crate::error::Result;
 use crate::geometry::Ball;
 use crate::kinematics::Place;
 use crate::peripersonal::Obstacle;
-use crate::senses::{Approach, SkinContact};
+use crate::senses::{Approach, Aura, SkinContact};
 
 /// The fastest that a joint turns when it gets out of the way, radians a second.
 pub const QUICK: f64 = 3.0;
@@ -76,7 +76,7 @@ pub struct Avoiding {
 impl Avoiding {
     /// A creature that watches from now on.
     pub fn new(actor: &mut Actor) -> Avoiding {
-        actor.handle.watch_out();
+        actor.handle.sense(Aura::watch_out);
         Avoiding {
             goal: None,
             tracks: BTreeMap::new(),
@@ -102,8 +102,9 @@ impl Avoiding {
         let felt = actor.step(&target)?;
         // A stick that he holds is near, and no threat.
         let held = actor.stick().map(|stick| stick.thing);
-        let mut seen = actor.handle.approaches();
-        seen.retain(|approach| Some(approach.object) != held);
+        let others = |approach: &&Approach| Some(approach.object) != held;
+        let near = |aura: &mut Aura| aura.approaches().filter(others).cloned().collect::<Vec<_>>();
+        let seen = actor.handle.sense(near);
         // Nothing new is told between two looks.
         if seen != self.seen {
             self.look(actor, &seen);

@@ -7,9 +7,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::stimulation::{STEP, SkinPoint, Stimulation, Strokes, TRIES, evened_out};
+use super::stimulation::{STEP, SkinPoint, Strokes, TRIES, evened_out};
 use crate::error::Error;
-use crate::senses::{SkinContact, TouchEvent, TouchKind};
+use crate::senses::{SkinContact, TouchEvent};
 use crate::simulation::{ProbePath, STIFFNESS, Stage, StepSenses};
 
 /// Lengths of the way, metres: a caress is over sooner where there is no room to go on.
@@ -30,27 +30,34 @@ const DOWN: f64 = 0.1;
 const UP: f64 = 0.05;
 
 impl Strokes<'_> {
-    /// A long random stroke, setting out at `time`: a receptor is drawn, then a place on it, a direction, a length, a
-    /// speed and a force; from there the probe wanders over the skin, round edges, over joints
-    /// and away from folds. None
-    /// where there is no room on any receptor.
-    pub fn caress(&self, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+    /// The path of a long random stroke, setting out at `time`: a receptor is drawn, then a place on it, a direction, a length,
+    /// a speed and a force; from there the probe wanders over the skin, round edges, over joints and away from folds. `None` if
+    /// there is no room on any receptor.
+    fn caress(&self, time: f64, rng: &mut ChaCha8Rng) -> Option<ProbePath> {
         let receptors = self.skin.receptors.len();
-        if receptors == 0 {
-            return None;
-        }
-        (0..TRIES).find_map(|_| self.wander(rng.random_range(0..receptors), time, rng))
+        (0..TRIES).find_map(|_| {
+            let way = self.wander((receptors > 0).then(|| rng.random_range(0..receptors))?, rng)?;
+            let depth = rng.random_range(FORCE[0]..FORCE[1]) / STIFFNESS;
+            let speed = rng.random_range(SPEED[0]..SPEED[1]);
+            let mut now = time + DOWN;
+            let mut path = vec![(time, way[0].at(ABOVE)), (now, way[0].at(-depth))];
+            for pair in evened_out(&way).windows(2) {
+                // Where the way turns on the spot it takes its time nevertheless.
+                now += (pair[1].middle - pair[0].middle).norm().max(0.1 * STEP) / speed;
+                path.push((now, pair[1].at(-depth)));
+            }
+            path.push((now + UP, way[way.len() - 1].at(ABOVE)));
+            Some(ProbePath(path))
+        })
     }
 
-    /// A caress that begins on a receptor; none where there is no room.
-    fn wander(&self, receptor: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
+    /// A long way that begins on a receptor. `None` if there is no room.
+    fn wander(&self, receptor: usize, rng: &mut ChaCha8Rng) -> Option<Vec<SkinPoint>> {
+        let p_l = self.place_on(receptor, 1.0, rng);
         let receptor = &self.skin.receptors[receptor];
-        let limb = receptor.limb;
-        let [a, b] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
-        let p_l = receptor.position + receptor.tangent * a + receptor.bitangent() * b;
-        let frame = &self.frames[limb];
-        let can_leave = |spot: &SkinPoint| self.is_free(&[spot.limb], spot, ABOVE, CLEAR);
-        let start = self.onto(&[limb], &frame.point(&p_l)).filter(can_leave)?;
+        let frame = &self.frames[receptor.limb];
+        let can_leave = |spot: &SkinPoint| self.can_come(&[spot.limb], spot, ABOVE, CLEAR);
+        let start = self.onto(&[receptor.limb], &frame.point(&p_l)).filter(can_leave)?;
         let mut along =
             turned(&(frame.rotation * receptor.tangent), &start.normal, rng.random_range(0.0..TAU));
         let mut way = vec![start];
@@ -64,36 +71,17 @@ impl Strokes<'_> {
                 let along = turned(&along, &spot.normal, angle);
                 angle = rng.random_range(0.0..TAU);
                 let room = |next: &SkinPoint| self.has_room(&on, &next.middle, 0.0);
-                let next = self.next(&on, &spot, &along).filter(room)?;
-                Some((next, along))
+                Some((self.next(&on, &spot, &along).filter(room)?, along))
             });
             let Some((next, heading)) = found else { break };
-            along = (heading - next.normal * heading.dot(&next.normal)).try_normalize(1e-6)?;
+            along = next.along(&heading)?;
             way.push(next);
         }
         // The probe leaves the skin where it can.
         while way.last().is_some_and(|spot| !can_leave(spot)) {
             way.pop();
         }
-        if way.len() < (LENGTH[0] / STEP) as usize / 2 {
-            return None;
-        }
-        let force = rng.random_range(FORCE[0]..FORCE[1]);
-        let speed = rng.random_range(SPEED[0]..SPEED[1]);
-        let depth = force / STIFFNESS;
-        let mut now = time + DOWN;
-        let mut path = vec![(time, way[0].at(ABOVE)), (now, way[0].at(-depth))];
-        for pair in evened_out(&way).windows(2) {
-            // Where the way turns on the spot it takes its time nevertheless.
-            now += (pair[1].middle - pair[0].middle).norm().max(0.1 * STEP) / speed;
-            path.push((now, pair[1].at(-depth)));
-        }
-        let touching = [time + DOWN, now];
-        path.push((now + UP, way[way.len() - 1].at(ABOVE)));
-        let mut limbs: Vec<usize> = way.iter().map(|spot| spot.limb).collect();
-        limbs.dedup();
-        let begins = way[0].middle;
-        Some(Stimulation { kind: TouchKind::Stroke, limbs, force, path: ProbePath(path), begins, touching })
+        (way.len() >= (LENGTH[0] / STEP) as usize / 2).then_some(way)
     }
 }
 
@@ -115,10 +103,9 @@ pub fn stroke_for<E: From<Error>>(
 ) -> Result<bool, E> {
     let until = stage.time() + seconds;
     while stage.time() < until {
-        let caress = Strokes::new(stage).caress(stage.time(), rng);
-        let Some(caress) = caress else { return Ok(false) };
-        let end = caress.path.end().min(until);
-        stage.send_probe(0, caress.path)?;
+        let Some(path) = Strokes::new(stage).caress(stage.time(), rng) else { return Ok(false) };
+        let end = path.end().min(until);
+        stage.send_probe(0, path)?;
         while stage.time() < end {
             let StepSenses { time, contacts, touches, .. } = stage.step()?;
             each(stage, time, &contacts, touches)?;

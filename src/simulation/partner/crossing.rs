@@ -1,11 +1,10 @@
 //! Strokes that go over joints, from one limb to the next.
 
 use nalgebra::Vector3;
-use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::stimulation::{ABOVE, CLEAR, STEP, SkinPoint, Stimulation, Strokes, laid};
+use super::stimulation::{STEP, SkinPoint, Stimulation, Strokes, laid};
 use crate::senses::TouchKind;
 
 /// How long the way is on the first limb and on the last one at the least, metres: it begins on the one, and ends on the
@@ -24,7 +23,10 @@ impl Strokes<'_> {
         let rows = self.rows(joints + 1);
         (0..WAYS).find_map(|_| {
             let row = rows.choose(rng)?;
-            let [from, to] = [row[0], row[joints]].map(|limb| self.place_on(limb, rng));
+            let [from, to] = [row[0], row[joints]].map(|limb| {
+                let receptor = *self.receptors_on(limb).choose(rng)?;
+                Some(self.frames[limb].point(&self.place_on(receptor, 1.0, rng)))
+            });
             let way = self.towards(row, &from?, &to?)?;
             Some(laid(TouchKind::Stroke, &way, time, rng))
         })
@@ -32,7 +34,7 @@ impl Strokes<'_> {
 
     /// All rows of so many limbs with skin, each joined to the next.
     fn rows(&self, length: usize) -> Vec<Vec<usize>> {
-        let has_skin = |limb: &usize| self.skin.receptors.iter().any(|receptor| receptor.limb == *limb);
+        let has_skin = |limb: &usize| !self.receptors_on(*limb).is_empty();
         let mut rows: Vec<Vec<usize>> =
             (0..self.frames.len()).filter(has_skin).map(|limb| vec![limb]).collect();
         for _ in 1..length {
@@ -46,15 +48,6 @@ impl Strokes<'_> {
         rows
     }
 
-    /// A random point of a limb's skin, in the world.
-    fn place_on(&self, limb: usize, rng: &mut ChaCha8Rng) -> Option<Vector3<f64>> {
-        let on_limb: Vec<_> = self.skin.receptors.iter().filter(|receptor| receptor.limb == limb).collect();
-        let receptor = on_limb.choose(rng)?;
-        let [a, b] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
-        let p_l = receptor.position + receptor.tangent * a + receptor.bitangent() * b;
-        Some(self.frames[limb].point(&p_l))
-    }
-
     /// A way over the skin of a row of limbs from a place on the first one towards a place on the last one, straight
     /// ahead as far as the skin has it. None where it does not get there, or comes near another limb.
     fn towards(&self, row: &[usize], from: &Vector3<f64>, to: &Vector3<f64>) -> Option<Vec<SkinPoint>> {
@@ -66,20 +59,18 @@ impl Strokes<'_> {
         let mut way = vec![start];
         while (end.middle - way[way.len() - 1].middle).norm() > 1.5 * STEP {
             let spot = way[way.len() - 1];
-            let ahead = end.middle - spot.middle;
-            let along = (ahead - spot.normal * ahead.dot(&spot.normal)).try_normalize(1e-6)?;
-            way.push(self.next(row, &spot, &along)?);
+            way.push(self.next(row, &spot, &spot.along(&(end.middle - spot.middle))?)?);
             if way.len() as f64 * STEP > FARTHEST {
                 return None;
             }
         }
         let mut limbs: Vec<usize> = way.iter().map(|spot| spot.limb).collect();
-        let on = |limb: usize| way.iter().filter(|spot| spot.limb == limb).count() as f64 * STEP;
-        let long_enough = on(row[0]) >= ON_EITHER && on(last) >= ON_EITHER;
         limbs.dedup();
-        let ends = [&way[0], &way[way.len() - 1]];
-        let free = ends.iter().all(|spot| self.is_free(&[spot.limb], spot, ABOVE, CLEAR))
-            && way.iter().all(|spot| self.is_free(row, spot, ABOVE, CLEAR));
-        (limbs == row && long_enough && free && self.is_felt(&way)).then_some(way)
+        let long_enough = [row[0], last]
+            .iter()
+            .all(|&limb| way.iter().filter(|spot| spot.limb == limb).count() as f64 * STEP >= ON_EITHER);
+        let ends_are_free = || [0, way.len() - 1].iter().all(|&k| self.is_free(&[way[k].limb], &way[k..=k]));
+        (limbs == row && long_enough && ends_are_free() && self.is_free(row, &way) && self.is_felt(&way))
+            .then_some(way)
     }
 }

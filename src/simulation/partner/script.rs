@@ -49,42 +49,41 @@ impl Script {
             .map_err(|error| unreadable(format!("it cannot be read ({error})")))?;
         let script: Script =
             serde_json::from_str(&text).map_err(|error| unreadable(format!("{error}: correct it there")))?;
-        if script.probes.is_empty() {
-            return Err(unreadable("it has no probe: give it one at least".into()));
+        match script.fault() {
+            Some(fault) => Err(unreadable(fault)),
+            None => Ok(script),
         }
-        for (k, probe) in script.probes.iter().enumerate() {
-            let name = &probe.name;
-            if name.is_empty() || script.probes[..k].iter().any(|other| other.name == *name) {
-                return Err(unreadable(format!(
+    }
+
+    /// What cannot be done of it.
+    fn fault(&self) -> Option<String> {
+        if self.probes.is_empty() {
+            return Some("it has no probe: give it one at least".into());
+        }
+        for (k, ScriptedProbe { name, path }) in self.probes.iter().enumerate() {
+            if name.is_empty() || self.probes[..k].iter().any(|other| other.name == *name) {
+                return Some(format!(
                     "two probes are called \"{name}\", or one has no name: give each its own"
-                )));
+                ));
             }
-            if probe.path.is_empty() {
-                return Err(unreadable(format!(
-                    "the probe \"{name}\" has no path: give it one waypoint at least"
-                )));
+            if path.is_empty() {
+                return Some(format!("the probe \"{name}\" has no path: give it one waypoint at least"));
             }
-            for (j, waypoint) in probe.path.iter().enumerate() {
-                let place = format!("waypoint {} of \"{name}\"", j + 1);
-                if waypoint.at.is_some() == waypoint.receptor.is_some() {
-                    return Err(unreadable(format!(
-                        "{place} needs either \"at\" or \"receptor\": give one of them"
-                    )));
-                }
+            for (j, waypoint) in path.iter().enumerate() {
                 let numbers = waypoint.at.iter().flatten().chain([&waypoint.time, &waypoint.height]);
-                if waypoint.time < 0.0 || numbers.clone().any(|x| !x.is_finite() || x.abs() > 1e4) {
-                    return Err(unreadable(format!(
-                        "{place} has a number that cannot be: give times from 0 on, and metres"
-                    )));
-                }
-                if j > 0 && waypoint.time <= probe.path[j - 1].time {
-                    return Err(unreadable(format!(
-                        "{place} is not later than the one before it: put them in order of time"
-                    )));
-                }
+                let fault = if waypoint.at.is_some() == waypoint.receptor.is_some() {
+                    "needs either \"at\" or \"receptor\": give one of them"
+                } else if waypoint.time < 0.0 || { numbers }.any(|x| !x.is_finite() || x.abs() > 1e4) {
+                    "has a number that cannot be: give times from 0 on, and metres"
+                } else if j > 0 && waypoint.time <= path[j - 1].time {
+                    "is not later than the one before it: put them in order of time"
+                } else {
+                    continue;
+                };
+                return Some(format!("waypoint {} of \"{name}\" {fault}", j + 1));
             }
         }
-        Ok(script)
+        None
     }
 
     /// The names of its probes.

@@ -13,9 +13,9 @@ use crate::simulation::{PROBE_RADIUS, ProbePath, STIFFNESS, Stage};
 use crate::skin::{JoinedLimbs, Skin};
 
 /// From how far above the skin a probe comes, metres.
-pub(super) const ABOVE: f64 = 0.04;
+const ABOVE: f64 = 0.04;
 /// How far a probe keeps from all other limbs, metres.
-pub(super) const CLEAR: f64 = 0.004;
+const CLEAR: f64 = 0.004;
 /// Steps in which a way over the skin is laid, metres.
 pub(super) const STEP: f64 = 0.002;
 /// Rounds in which a probe's place on the skin is found: in a crease it comes to rest between two sides.
@@ -52,8 +52,6 @@ pub struct Stimulation {
     pub force: f64,
     /// The way of its middle, from when it sets out.
     pub path: ProbePath,
-    /// Where it comes down, in the world's frame, metres.
-    pub begins: Vector3<f64>,
     /// When it comes down to the skin, and when it leaves it, seconds.
     pub touching: [f64; 2],
 }
@@ -79,6 +77,11 @@ pub(super) struct SkinPoint {
 }
 
 impl SkinPoint {
+    /// The unit direction along the skin that comes nearest to a direction. `None` if that leads straight away from it.
+    pub fn along(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        (direction - self.normal * direction.dot(&self.normal)).try_normalize(1e-6)
+    }
+
     /// The middle of a probe so far above the skin there, metres.
     pub fn at(&self, height: f64) -> Vector3<f64> {
         self.middle + self.normal * height
@@ -97,49 +100,40 @@ impl<'a> Strokes<'a> {
         std::iter::once(limb).chain(self.limbs.of(limb).filter(|&other| other != limb)).collect()
     }
 
-    /// A random stimulation of a kind, setting out at `time`: limbs are drawn alike, then a place of their skin, a
-    /// direction, a speed, a force. None where no limb has room for it.
+    /// The receptors of a limb.
+    pub(super) fn receptors_on(&self, limb: usize) -> Vec<usize> {
+        let receptors = &self.skin.receptors;
+        (0..receptors.len()).filter(|&receptor| receptors[receptor].limb == limb).collect()
+    }
+
+    /// A random point of a receptor's patch, or of the inner share of it, in the limb's frame.
+    pub(super) fn place_on(&self, receptor: usize, share: f64, rng: &mut ChaCha8Rng) -> Vector3<f64> {
+        let receptor = &self.skin.receptors[receptor];
+        let [a, b] = receptor.half_extents.map(|half| share * half * rng.random_range(-1.0..1.0));
+        receptor.position + receptor.tangent * a + receptor.bitangent() * b
+    }
+
+    /// A random stimulation of a kind, setting out at `time`, that begins on one receptor and where it moves ends on another:
+    /// limbs are drawn alike, then a place of their skin, a direction, a speed, a force. `None` if no limb has room for it.
     pub fn random(&self, kind: TouchKind, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
-        let skin = self.skin;
-        let mut limbs: Vec<usize> = skin.receptors.iter().map(|receptor| receptor.limb).collect();
+        let mut limbs: Vec<usize> = self.skin.receptors.iter().map(|receptor| receptor.limb).collect();
         limbs.sort_unstable();
         limbs.dedup();
         (0..TRIES).find_map(|_| {
             let limb = *limbs.choose(rng)?;
-            let on_limb: Vec<usize> =
-                (0..skin.receptors.len()).filter(|&r| skin.receptors[r].limb == limb).collect();
-            let receptor = *on_limb.choose(rng)?;
-            self.at(kind, receptor, time, rng)
+            let receptor = *self.receptors_on(limb).choose(rng)?;
+            let length = match kind {
+                TouchKind::Tap | TouchKind::Press => 0.0,
+                TouchKind::Stroke => rng.random_range(0.03..0.15),
+                TouchKind::Rub => rng.random_range(0.02..0.06),
+            };
+            let p_l = self.place_on(receptor, 0.7, rng);
+            let angle = rng.random_range(0.0..TAU);
+            let receptor = &self.skin.receptors[receptor];
+            let along = receptor.tangent * angle.cos() + receptor.bitangent() * angle.sin();
+            let way = self.way(limb, &p_l, &along, length)?;
+            (length == 0.0 || self.is_felt(&way)).then(|| laid(kind, &way, time, rng))
         })
-    }
-
-    /// A random stimulation of a kind that begins on a receptor, and where it moves ends on another. `None` if there is no
-    /// room.
-    pub fn at(
-        &self,
-        kind: TouchKind,
-        receptor: usize,
-        time: f64,
-        rng: &mut ChaCha8Rng,
-    ) -> Option<Stimulation> {
-        let receptor = &self.skin.receptors[receptor];
-        let limb = receptor.limb;
-        let length = match kind {
-            TouchKind::Tap | TouchKind::Press => 0.0,
-            TouchKind::Stroke => rng.random_range(0.03..0.15),
-            TouchKind::Rub => rng.random_range(0.02..0.06),
-        };
-        let place = |half: f64, rng: &mut ChaCha8Rng| 0.7 * half * rng.random_range(-1.0..1.0);
-        let p_l = receptor.position
-            + receptor.tangent * place(receptor.half_extents[0], rng)
-            + receptor.bitangent() * place(receptor.half_extents[1], rng);
-        let angle = rng.random_range(0.0..TAU);
-        let along = receptor.tangent * angle.cos() + receptor.bitangent() * angle.sin();
-        let way = self.way(limb, &p_l, &along, length)?;
-        if length > 0.0 && !self.is_felt(&way) {
-            return None;
-        }
-        Some(laid(kind, &way, time, rng))
     }
 
     /// Whether a skin can feel that a way moves: other receptors fire at its end than at its beginning, and there is
@@ -185,12 +179,11 @@ impl<'a> Strokes<'a> {
         let mut way = vec![spot];
         let steps = (length / STEP).ceil() as usize;
         for _ in 0..steps {
-            along = (along - spot.normal * along.dot(&spot.normal)).try_normalize(1e-6)?;
+            along = spot.along(&along)?;
             spot = self.next(&[limb], &spot, &along)?;
             way.push(spot);
         }
-        let free = way.iter().all(|spot| self.is_free(&[limb], spot, ABOVE, CLEAR));
-        free.then_some(way)
+        self.is_free(&[limb], &way).then_some(way)
     }
 
     /// The distance of a point in the world to the nearest surface of some limbs, the outward normal, and the limb.
@@ -218,8 +211,13 @@ impl<'a> Strokes<'a> {
         None
     }
 
+    /// Whether a probe gets to every spot of a way over some limbs, clear of all others.
+    pub(super) fn is_free(&self, on: &[usize], way: &[SkinPoint]) -> bool {
+        way.iter().all(|spot| self.can_come(on, spot, ABOVE, CLEAR))
+    }
+
     /// Whether a probe gets to a spot from so far above it, metres, farther than a distance from limbs that it is not on.
-    pub(super) fn is_free(&self, on: &[usize], spot: &SkinPoint, above: f64, clear: f64) -> bool {
+    pub(super) fn can_come(&self, on: &[usize], spot: &SkinPoint, above: f64, clear: f64) -> bool {
         let mut heights = [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().map(|share| share * above);
         heights.all(|height| self.has_room(on, &spot.at(height), clear))
     }
@@ -236,58 +234,50 @@ impl<'a> Strokes<'a> {
 /// What a probe does on a way: comes down to its beginning, touches as the kind has it, with a random force, speed and
 /// duration, and leaves.
 pub(super) fn laid(kind: TouchKind, way: &[SkinPoint], time: f64, rng: &mut ChaCha8Rng) -> Stimulation {
-    let force = match kind {
-        TouchKind::Tap => rng.random_range(0.5..4.0),
-        TouchKind::Press => rng.random_range(0.5..8.0),
-        TouchKind::Stroke => rng.random_range(0.3..3.0),
-        TouchKind::Rub => rng.random_range(0.4..4.0),
+    let (forces, passes) = match kind {
+        TouchKind::Tap => (0.5..4.0, 0..1),
+        TouchKind::Press => (0.5..8.0, 0..1),
+        TouchKind::Stroke => (0.3..3.0, 1..2),
+        TouchKind::Rub => (0.4..4.0, 3..7),
     };
+    let force = rng.random_range(forces);
     let depth = force / STIFFNESS;
-    let passes = match kind {
-        TouchKind::Tap | TouchKind::Press => 0,
-        TouchKind::Stroke => 1,
-        TouchKind::Rub => rng.random_range(3..7),
-    };
-    let pressed = evened_out(way);
+    let passes = if passes.len() > 1 { rng.random_range(passes) } else { passes.start };
     let (start, end) = (way[0], if passes % 2 == 1 { way[way.len() - 1] } else { way[0] });
-    let mut path = vec![(time, start.at(ABOVE))];
-    let mut now = time + COMES;
-    path.push((now, start.at(0.005)));
-    let mut go = |seconds: f64, p: Vector3<f64>, path: &mut Vec<(f64, Vector3<f64>)>| {
-        now += seconds;
-        path.push((now, p));
+    let mut path = vec![(time, start.at(ABOVE)), (time + COMES, start.at(0.005))];
+    let mut go = |seconds: f64, p: Vector3<f64>| {
+        let now = path[path.len() - 1].0;
+        path.push((now + seconds, p));
+        now + seconds
     };
-    match kind {
+    let leaves = match kind {
         TouchKind::Tap => {
-            go(rng.random_range(0.02..0.05), start.at(-depth), &mut path);
-            go(rng.random_range(0.0..0.06), start.at(-depth), &mut path);
-            go(0.04, start.at(0.01), &mut path);
+            go(rng.random_range(0.02..0.05), start.at(-depth));
+            go(rng.random_range(0.0..0.06), start.at(-depth));
+            go(0.04, start.at(0.01))
         }
         TouchKind::Press => {
-            go(0.05, start.at(-depth), &mut path);
-            go(rng.random_range(0.4..2.0), start.at(-depth), &mut path);
-            go(0.05, start.at(0.01), &mut path);
+            go(0.05, start.at(-depth));
+            go(rng.random_range(0.4..2.0), start.at(-depth));
+            go(0.05, start.at(0.01))
         }
         TouchKind::Stroke | TouchKind::Rub => {
             let speed = rng.random_range(SPEED[0]..SPEED[1]);
-            go(0.03, pressed[0].at(-depth), &mut path);
-            for pass in 0..passes {
-                let spots: Vec<&SkinPoint> =
-                    if pass % 2 == 0 { pressed.iter().collect() } else { pressed.iter().rev().collect() };
-                for pair in spots.windows(2) {
-                    let seconds = (pair[1].middle - pair[0].middle).norm() / speed;
-                    go(seconds, pair[1].at(-depth), &mut path);
+            let mut pressed = evened_out(way);
+            go(0.03, pressed[0].at(-depth));
+            for _ in 0..passes {
+                for pair in pressed.windows(2) {
+                    go((pair[1].middle - pair[0].middle).norm() / speed, pair[1].at(-depth));
                 }
+                pressed.reverse();
             }
-            go(0.03, end.at(0.01), &mut path);
+            go(0.03, end.at(0.01))
         }
-    }
-    let leaves = path[path.len() - 1].0;
-    go(LEAVES, end.at(ABOVE), &mut path);
+    };
+    go(LEAVES, end.at(ABOVE));
     let mut limbs: Vec<usize> = way.iter().map(|spot| spot.limb).collect();
     limbs.dedup();
-    let touching = [time + COMES, leaves];
-    Stimulation { kind, limbs, force, path: ProbePath(path), begins: start.middle, touching }
+    Stimulation { kind, limbs, force, path: ProbePath(path), touching: [time + COMES, leaves] }
 }
 
 /// The same way with the normals of a crease evened out over a few steps, in which a probe rolls from one side of it to

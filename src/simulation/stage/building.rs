@@ -1,14 +1,12 @@
 //! Setting up a stage.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 
 use super::StageOptions;
-use super::core::StageCore;
-use super::meeting::sorted;
+use super::core::{StageCore, sorted};
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture};
@@ -68,23 +66,17 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Error> {
     let mut own = vec![0.0; declared.nq()];
     body.write_qpos(&posture, &mut own);
     qpos.iter_mut().zip(&own).zip(&own_qpos).filter(|(_, own)| **own).for_each(|((q, own), _)| *q = *own);
-    let probes: Vec<Probe> = probes.iter().filter_map(|name| Probe::of(&body.model, name)).collect();
     let mut qvel = vec![0.0; declared.nv()];
     let mut waiting = Vec::new();
-    for (k, mut probe) in probes.into_iter().enumerate() {
+    for (k, mut probe) in probes.iter().filter_map(|name| Probe::of(&body.model, name)).enumerate() {
         probe.put(&away(k), &mut qpos, &mut qvel);
         probe.path = ProbePath(vec![(0.0, away(k))]);
         waiting.push(probe);
     }
     with_self_touch.set_qpos(&qpos)?;
     with_self_touch.forward()?;
-    let creature = |geoms: [usize; 2]| geoms.iter().any(|&g| body.limb_of_geom(g).is_some());
-    let at_ease: BTreeSet<[usize; 2]> = with_self_touch
-        .contacts()
-        .map(|contact| sorted(contact.geoms))
-        .filter(|geoms| creature(*geoms))
-        .collect();
-    overlapping.extend(at_ease);
+    let at_ease = with_self_touch.contacts().map(|contact| sorted(contact.geoms));
+    overlapping.extend(at_ease.filter(|geoms| geoms.iter().any(|&geom| own_geom[geom])));
     // While the creature holds the posture that it came with, contacts of its own are not even looked for.
     let mut data = Data::new(Arc::new(simulated.touching_others(&touchable, &own_geom)?))?;
     data.set_qpos(&qpos)?;

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::carrying::Carried;
-use super::meeting::meets;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
@@ -93,20 +92,11 @@ impl StageCore {
         senses.iter_mut().try_for_each(|sense| take_in(sense.as_mut(), &step))
     }
 
-    /// One of its senses by its type; none that is not in [`SENSES`](crate::senses::SENSES).
-    pub fn find_sense<S: Sense>(&self) -> Option<&S> {
-        self.senses.iter().find_map(|sense| (sense.as_ref() as &dyn Any).downcast_ref())
-    }
-
-    /// One of the senses that every creature has.
-    pub fn sense<S: Sense>(&self) -> &S {
-        self.find_sense().expect("every creature on a stage has this sense")
-    }
-
-    /// The same, to be changed.
-    pub fn sense_mut<S: Sense>(&mut self) -> &mut S {
-        let found = self.senses.iter_mut().find_map(|sense| (sense.as_mut() as &mut dyn Any).downcast_mut());
-        found.expect("every creature on a stage has this sense")
+    /// Asks one of its senses, by its type.
+    pub fn sense<S: Sense, T>(&mut self, ask: impl FnOnce(&mut S) -> T) -> T {
+        let mut senses = self.senses.iter_mut();
+        let found = senses.find_map(|sense| (sense.as_mut() as &mut dyn Any).downcast_mut());
+        ask(found.expect("the creature has this sense"))
     }
 
     /// Goes on by one step, at whose end the creature is in a posture: all that it feels.
@@ -114,8 +104,8 @@ impl StageCore {
         let time = self.time;
         let contacts = if self.go_on(towards)? { self.contacts() } else { Vec::new() };
         self.each_sense(time, &contacts, |sense, step| sense.step(step))?;
-        let touches = self.sense::<TouchSensor>().events().to_vec();
-        let near = self.sense::<Aura>().events().to_vec();
+        let touches = self.sense(|sensor: &mut TouchSensor| sensor.events().to_vec());
+        let near = self.sense(|aura: &mut Aura| aura.events().to_vec());
         Ok(StepSenses { time, contacts, touches, near })
     }
 
@@ -148,12 +138,11 @@ impl StageCore {
     fn touches(&mut self) -> Result<bool> {
         let qpos = self.qpos_with(&self.posture);
         self.data.set_qpos(&qpos)?;
-        self.data.kinematics()?;
-        self.data.collision()?;
+        self.collide()?;
         let (mut touches, mut moves) = (false, false);
         for contact in self.data.contacts().filter(|contact| contact.distance < 0.0) {
             let limbs = contact.geoms.map(|geom| self.body.limb_of_geom(geom));
-            if limbs != [None, None] && meets(&self.body, &self.overlapping, &self.carried, contact.geoms) {
+            if limbs != [None, None] && self.meets(contact.geoms) {
                 touches = true;
                 moves |= contact
                     .geoms
@@ -239,10 +228,44 @@ impl StageCore {
         Ok(())
     }
 
-    /// Lets a thing be carried from now on, whatever carried it before.
-    pub fn carry(&mut self, carried: Carried) {
-        self.carried.retain(|other| other.body != carried.body);
-        self.carried.push(carried);
+    /// Lets a limb grow; see [`super::Stage::grow_limb`].
+    pub fn grow_limb(&mut self, limb: usize, length: f64) -> Result<()> {
+        self.look_for_self_touch()?;
+        let Some(segment) = limb.checked_sub(1).map(|joint| &self.body.segments[joint]) else {
+            return Ok(());
+        };
+        let position = self.untouched.body(segment.body).pos;
+        let Some(outward) = position.try_normalize(1e-6) else { return Ok(()) };
+        self.untouched = self.untouched.with_body_position(segment.body, &(position + outward * length))?;
+        let grown = Arc::new(self.untouched.touching_with(&self.touchable)?);
+        let mut data = Data::new(grown.clone())?;
+        data.take_state(&self.data)?;
+        data.forward()?;
+        Arc::make_mut(&mut self.body).model = grown;
+        self.reader = ContactReader::new(&self.body, self.agent.skin());
+        self.data = data;
+        self.stillness.disturb();
+        Ok(())
+    }
+
+    /// Puts something elsewhere at once: changes the engine's coordinates and velocities.
+    pub fn put(&mut self, change: impl FnOnce(&Self, &mut [f64], &mut [f64])) -> Result<()> {
+        let (mut qpos, mut qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());
+        change(self, &mut qpos, &mut qvel);
+        self.stillness.disturb();
+        self.data.set_qpos(&qpos)?;
+        Ok(self.data.set_qvel(&qvel)?)
+    }
+
+    /// Looks for contacts where all is.
+    pub fn collide(&mut self) -> Result<()> {
+        self.data.kinematics()?;
+        Ok(self.data.collision()?)
+    }
+
+    /// Whether two geoms act on each other.
+    pub fn meets(&self, geoms: [usize; 2]) -> bool {
+        meets(&self.body, &self.overlapping, &self.carried, geoms)
     }
 
     /// The first coordinate and velocity of a body that moves freely.
@@ -262,5 +285,30 @@ impl StageCore {
             }
         }
         qpos
+    }
+}
+
+/// Two geoms, the one with the lesser number first.
+pub fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Whether two geoms act on each other: not where they always overlap, nor a limb and one that carries it, nor what is
+/// held and the limbs about it.
+fn meets(body: &Body, overlapping: &BTreeSet<[usize; 2]>, carried: &[Carried], geoms: [usize; 2]) -> bool {
+    if overlapping.contains(&sorted(geoms)) {
+        return false;
+    }
+    match geoms.map(|geom| body.limb_of_geom(geom)) {
+        [Some(a), Some(b)] => !body.creature.neighbouring(a, b),
+        [Some(limb), None] | [None, Some(limb)] => {
+            let bodies = geoms.map(|geom| body.model.geom_body(geom));
+            let near = |carried: &Carried| {
+                let grip = carried.grip().filter(|_| bodies.contains(&carried.body));
+                grip.is_some_and(|grip| body.creature.neighbouring(grip.limb, limb))
+            };
+            !carried.iter().any(near)
+        }
+        [None, None] => true,
     }
 }

@@ -11,9 +11,6 @@
 mod building;
 mod carrying;
 mod core;
-mod giving;
-mod growing;
-mod meeting;
 mod stillness;
 
 use std::cell::{Ref, RefCell};
@@ -32,8 +29,8 @@ use crate::creature::{Body, JointSelection, Posture, body_name};
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
 use crate::mujoco::Data;
-use crate::senses::{Approach, Aura, NewSense, Proprioception, Sense, SkinContact, TouchSensor};
-use crate::skin::{Skin, SomatotopicMap};
+use crate::senses::{NewSense, Sense, SkinContact, TouchSensor};
+use crate::skin::Skin;
 
 /// What is on a stage beside what its file has.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +55,7 @@ pub type Watcher = Box<dyn FnMut(&Stage, &[SkinContact])>;
 pub struct Stage {
     body: Arc<Body>,
     agent: Agent,
-    core: Rc<RefCell<StageCore>>,
+    pub(super) core: Rc<RefCell<StageCore>>,
     watcher: Rc<RefCell<Option<Watcher>>>,
 }
 
@@ -76,7 +73,7 @@ impl Stage {
 
     /// All that the creature has of the stage.
     pub fn handle(&self) -> AgentHandle {
-        AgentHandle::new(self.clone())
+        AgentHandle { stage: self.clone() }
     }
 
     /// What the creature is given of itself.
@@ -150,7 +147,8 @@ impl Stage {
     pub(super) fn step_towards(&self, towards: &[f64]) -> Result<(StepSenses, Vec<SkinContact>)> {
         let mut core = self.core.borrow_mut();
         let senses = core.step(towards)?;
-        let present: Vec<SkinContact> = core.sense::<TouchSensor>().present().cloned().collect();
+        let present: Vec<SkinContact> =
+            core.sense(|sensor: &mut TouchSensor| sensor.present().cloned().collect());
         drop(core);
         // Who looks on may ask the stage anything.
         let watcher = self.watcher.borrow_mut().take();
@@ -161,25 +159,49 @@ impl Stage {
         Ok((senses, present))
     }
 
-    /// Which receptors its touch sensor takes for neighbours.
-    pub fn map(&self) -> SomatotopicMap {
-        self.core.borrow().sense::<TouchSensor>().map().clone()
+    /// Asks one of the creature's senses, by its type.
+    ///
+    /// # Panics
+    /// If it is neither among [`SENSES`](crate::senses::SENSES) nor among those that the stage was set up with.
+    pub fn sense<S: Sense, T>(&self, ask: impl FnOnce(&mut S) -> T) -> T {
+        self.core.borrow_mut().sense(ask)
     }
 
-    /// Gives its touch sensor another map of which receptors are neighbours than that of the reference posture; it feels
-    /// nothing yet.
-    pub fn feel_by(&self, map: SomatotopicMap) {
-        *self.core.borrow_mut().sense_mut() = TouchSensor::new(map, self.skin());
+    /// Lets a limb grow: the joint that moves it is farther out by `length`, metres, on the limb that carries it from now on,
+    /// or nearer where that is negative. All else stays as it is, the skin of either limb and [`Stage::body`] too. The
+    /// creature is not told.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    ///
+    /// # Panics
+    /// Where there is no such limb.
+    pub fn grow_limb(&self, limb: usize, length: f64) -> Result<()> {
+        self.core.borrow_mut().grow_limb(limb, length)
     }
 
-    /// Lets the creature watch out for what comes near from now on; nothing was near before.
-    pub fn grow_aura(&self) {
-        self.core.borrow_mut().sense_mut::<Aura>().watch_out();
+    /// Lets a thing go along a path alone, whatever it meets.
+    ///
+    /// # Panics
+    /// Where it is no thing that moves.
+    pub fn send_thing(&self, thing: usize, path: ProbePath) {
+        assert!(self.core.borrow_mut().send_thing(thing, path), "a thing that moves is sent");
     }
 
-    /// What is near, where the creature watches out for it.
-    pub fn approaches(&self) -> Vec<Approach> {
-        self.core.borrow().sense::<Aura>().approaches().cloned().collect()
+    /// Puts a stick into the hand of a receptor, which holds it: where one end of it is, metres, and where it leads from there, in
+    /// the hand's frame; whether the thing is a stick, one slender capsule or cylinder that moves freely, and meets nothing
+    /// there.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn give_stick(
+        &self,
+        thing: usize,
+        receptor: usize,
+        end: &Vector3<f64>,
+        direction: &Vector3<f64>,
+    ) -> Result<bool> {
+        self.core.borrow_mut().give_stick(thing, receptor, end, direction)
     }
 
     /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
@@ -192,13 +214,8 @@ impl Stage {
     pub fn send_probe(&self, probe: usize, path: ProbePath) -> Result<()> {
         let core = &mut *self.core.borrow_mut();
         let Some(start) = path.at(core.time) else { return Ok(()) };
-        let (mut qpos, mut qvel) = (core.data.qpos().to_vec(), core.data.qvel().to_vec());
-        core.probes[probe].put(&start, &mut qpos, &mut qvel);
         core.probes[probe].path = path;
-        core.data.set_qpos(&qpos)?;
-        core.data.set_qvel(&qvel)?;
-        core.stillness.disturb();
-        Ok(())
+        core.put(|core, qpos, qvel| core.probes[probe].put(&start, qpos, qvel))
     }
 
     /// Puts a probe far from the creature, and from other probes, until it is sent again.
@@ -262,15 +279,5 @@ impl Stage {
     pub fn limb_frames(&self) -> Vec<Frame> {
         let core = self.core.borrow();
         core.body.limb_frames(&core.data)
-    }
-
-    /// The posture as the creature feels it.
-    pub(super) fn felt_posture(&self) -> Posture {
-        self.core.borrow().sense::<Proprioception>().felt().clone()
-    }
-
-    /// What a sense of the creature's tells; nothing where it has no such sense.
-    pub(super) fn sense<S: Sense + Clone>(&self) -> Option<S> {
-        self.core.borrow().find_sense().cloned()
     }
 }
