@@ -30,10 +30,9 @@ impl Stages {
     pub(super) fn live_through(&mut self, posture: &[f64]) {
         let Some(schema) = self.growth.schema() else { return };
         // Limbs on joints that are not known yet are not where the schema has them.
-        let unknown = |limb: usize| self.wanted[limb] && !self.joints().is_empty();
-        let counts = |limb: usize| !unknown(limb) && self.growth.placement(limb) < WELL_PLACED;
-        let passing = self.foresight.passing(schema, posture, counts);
-        self.foresight.pass(passing);
+        let places = self.joints().is_empty();
+        let known = |limb: usize| (places || !self.wanted[limb]) && self.growth.placement(limb) < WELL_PLACED;
+        self.foresight.pass(schema, posture, known);
     }
 
     /// A random posture in which only what is free moves.
