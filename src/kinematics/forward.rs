@@ -100,19 +100,13 @@ pub(crate) fn joint_transforms<'a>(
 /// `X_RL` of every limb in the root limb's frame, at `posture`.
 pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) -> Vec<Frame> {
     let mut frames = Vec::with_capacity(creature.limbs().len());
-    limb_frames_into(creature, schema, posture, &mut frames);
-    frames
-}
-
-/// The same in a buffer of the caller's, whatever it held before.
-pub fn limb_frames_into(creature: &Creature, schema: &BodySchema, posture: &[f64], frames: &mut Vec<Frame>) {
-    frames.clear();
     frames.push(Frame::identity());
     for (j, joint) in creature.joints().iter().enumerate() {
         let mut frame = frames[joint.parent];
         carry_through(schema, j, joint_transforms(joint, posture), &mut frame, |_, _, _| {});
         frames.push(frame);
     }
+    frames
 }
 
 /// Of each hinge and slide its joint and its axis in the root limb's frame, at `posture`, where the limbs are at

@@ -157,7 +157,7 @@ impl ConservativeAdvancement {
         let speeds = &self.joint_speeds;
         self.cluster_speeds.clear();
         self.cluster_speeds.extend((0..self.touchable.clusters.len()).map(|cluster| {
-            let levers = self.touchable.all_levers(cluster).iter();
+            let levers = self.touchable.clusters[cluster].levers.iter();
             levers.map(|lever| speeds[lever.joint].0 * lever.reach + speeds[lever.joint].1).sum::<f64>()
         }));
         // In a window the clusters move by about as much as they are large.
@@ -357,8 +357,7 @@ impl ConservativeAdvancement {
         // What limited the last look most likely limits this one: all that comes later need not be known exactly.
         let last = self.limiting[k] as usize;
         let mut planes = std::mem::take(&mut self.planes);
-        let first = pair.geoms().start;
-        let plane = |number: usize| first + number;
+        let plane = |number: usize| pair.geoms().start + number;
         let geoms = &self.touchable.geoms[pair.geoms()];
         let about = self.bounds_gap(geoms[last]);
         let by_last = self.advance_of(k, &motion, geoms[last], &about, &mut planes[plane(last)], rest);
@@ -369,12 +368,10 @@ impl ConservativeAdvancement {
             let advance = if number == last {
                 by_last
             } else {
-                let passing = self.passing(&motion, &spins, bounds);
-                if passing.outlasts(acceleration, heeded) {
-                    continue;
-                }
+                let passing = self.passing(&motion, &spins, bounds, acceleration, heeded);
+                let Some((velocity, turning)) = passing else { continue };
                 let gap = self.bounds_gap(bounds);
-                let opening = gap.normal.dot(&passing.velocity) - passing.turning;
+                let opening = gap.normal.dot(&velocity) - turning;
                 if gap.distance > MET && outlasts(gap.distance, opening, acceleration, heeded) {
                     continue;
                 }
@@ -405,7 +402,8 @@ impl ConservativeAdvancement {
         for (number, &bounds) in self.touchable.geoms[pair.geoms()].iter().enumerate() {
             // Even at full speed it comes later than what is known already?
             let beyond = least * self.speed[k];
-            if self.apart(bounds) > beyond {
+            let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
+            if (first.centre - second.centre).norm() - first.radius - second.radius > beyond {
                 continue;
             }
             let gap = self.bounds_gap(bounds);
@@ -506,31 +504,38 @@ impl ConservativeAdvancement {
         Some([solid(0)?, solid(1)?])
     }
 
-    /// How the balls about two geoms' capsules pass each other, on limbs that turn at `spins`.
+    /// How two geoms' capsules pass each other on limbs that turn at `spins`, by the balls about them: the velocity of the first
+    /// one's middle against the second's, and what turning adds at the most to that of any point of one segment against any of
+    /// the other. `None` if they are kept apart for longer than a time, whichever their closest points are.
     #[inline]
-    fn passing(&self, motion: &PairMotion, spins: &[f64; 2], bounds: [u32; 2]) -> Passing {
+    fn passing(
+        &self,
+        motion: &PairMotion,
+        spins: &[f64; 2],
+        bounds: [u32; 2],
+        acceleration: f64,
+        time: f64,
+    ) -> Option<(Vector3<f64>, f64)> {
         let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
         let between = first.centre - second.centre;
         let distance = between.norm();
-        Passing {
-            between,
-            distance,
-            gap: distance - first.radius - second.radius,
-            reach: first.half_length + second.half_length,
-            velocity: first.velocity - second.velocity - motion.ancestor_omega.cross(&between),
-            turning: spins[0] * first.half_length + spins[1] * second.half_length,
-        }
+        let gap = distance - first.radius - second.radius;
+        let velocity = first.velocity - second.velocity - motion.ancestor_omega.cross(&between);
+        let turning = spins[0] * first.half_length + spins[1] * second.half_length;
+        // The closest points of the segments are within `reach` of where they would be if both were the middles, so the normal
+        // leads along `between` but for an offset of up to that. All is multiplied by its length, which is the one at which the
+        // opening is least.
+        let reach = first.half_length + second.half_length;
+        let closing = reach * velocity.norm() - between.dot(&velocity);
+        let length = if closing > 0.0 { distance - reach } else { distance + reach };
+        let opening = -closing - turning * length;
+        let outlasts = gap > MET && outlasts(gap * length, opening, acceleration * length, time);
+        (!outlasts).then_some((velocity, turning))
     }
 
     /// How the two limbs of a pair move against their common ancestor.
     fn pair_motion(&self, pair: &ClusterPair) -> PairMotion {
         PairMotion::new(pair.limbs().map(|limb| &self.limbs[limb]), &self.limbs[pair.ancestor as usize])
-    }
-
-    /// A lower bound of two geoms' gap, from the balls about them.
-    fn apart(&self, bounds: [u32; 2]) -> f64 {
-        let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
-        (first.centre - second.centre).norm() - first.radius - second.radius
     }
 
     /// The gap of the capsules about two geoms, at the points of their segments.
@@ -590,35 +595,6 @@ impl MovingBall {
     fn about(capsule: &Capsule) -> MovingBall {
         let Ball { centre, radius } = capsule.bounding_ball();
         MovingBall { centre, velocity: Vector3::zeros(), radius, half_length: radius - capsule.radius }
-    }
-}
-
-/// How the balls about two geoms' capsules pass each other.
-#[derive(Clone, Copy, Debug)]
-struct Passing {
-    /// From the second's middle to the first's.
-    between: Vector3<f64>,
-    distance: f64,
-    /// Of the balls.
-    gap: f64,
-    /// The closest points of the capsules' segments are within this of where they would be if both were the middles.
-    reach: f64,
-    /// Of the first's middle against the second's.
-    velocity: Vector3<f64>,
-    /// What turning adds, at the most, to the velocity of any point of one segment against any of the other.
-    turning: f64,
-}
-
-impl Passing {
-    /// Whether the capsules are kept apart for longer than a time, whichever their closest points are.
-    #[inline]
-    fn outlasts(&self, acceleration: f64, time: f64) -> bool {
-        // The normal leads along `between` but for an offset of up to `reach`. All is multiplied by its length, which is
-        // the one at which the opening is least.
-        let closing = self.reach * self.velocity.norm() - self.between.dot(&self.velocity);
-        let length = if closing > 0.0 { self.distance - self.reach } else { self.distance + self.reach };
-        let opening = -closing - self.turning * length;
-        self.gap > MET && outlasts(self.gap * length, opening, acceleration * length, time)
     }
 }
 

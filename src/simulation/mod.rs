@@ -33,3 +33,8 @@ pub use probe::{PROBE_RADIUS, STIFFNESS};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 pub use stage::{Stage, StageOptions, StepSenses, Watcher};
 pub use thing::{Substance, Thing};
+
+/// Two numbers, of geoms or limbs, the lesser one first.
+fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}

@@ -11,6 +11,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use super::sorted;
 use crate::creature::{Body, Posture};
 use crate::error::Result;
 use crate::kinematics::Chain;
@@ -92,59 +93,48 @@ impl SelfContact {
         let tangled = |posture: &BTreeSet<[usize; 2]>, below: f64| {
             posture.iter().filter(|pair| share(pair) < below && !excluded.contains(*pair)).count()
         };
-        let (start, met_at_start) = match tangled(&seen[0], SELDOM) {
-            0 => (postures.swap_remove(0), seen[0].clone()),
-            _ => {
-                match untangled(body, &mut overlaps, (&postures[0], &seen[0]), |seen| tangled(seen, SELDOM))?
-                {
-                    Some(found) => found,
-                    None => {
-                        let chosen = (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0);
-                        (postures.swap_remove(chosen), seen[chosen].clone())
-                    }
-                }
-            }
-        };
+        let untangled =
+            untangled(body, &mut overlaps, (&postures[0], &seen[0]), |seen| tangled(seen, SELDOM))?;
+        let (start, met_at_start) = untangled.unwrap_or_else(|| {
+            let chosen = (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0);
+            (postures.swap_remove(chosen), seen[chosen].clone())
+        });
         let mut left_out: BTreeSet<[usize; 2]> = always.union(&met_at_start).copied().collect();
         let joined: BTreeSet<[usize; 2]> = left_out.iter().map(limbs).collect();
         left_out.extend(
             counts.keys().filter(|pair| share(pair) >= OFTEN && joined.contains(&limbs(pair))).copied(),
         );
 
-        let mut pairs: BTreeMap<[usize; 2], GeomPairTally> = BTreeMap::new();
+        let mut pairs: BTreeMap<[usize; 2], LimbPair> = BTreeMap::new();
         for pair in geom_pairs(body) {
-            let [a, b] = pair;
-            let tally = pairs.entry(limbs(&pair)).or_default();
-            tally.declared |= body.declared.collides(a, b);
-            if left_out.contains(&pair) {
-                tally.left_out += 1;
-            } else if !excluded.contains(&pair) {
-                tally.open += usize::from(body.model.collides(a, b));
+            let found = pairs.entry(limbs(&pair)).or_insert_with_key(|&[a, b]| {
+                let neighbours = body.creature.neighbouring(a, b);
+                let relation = if neighbours { Relation::Neighbours } else { Relation::Excluded };
+                LimbPair { limbs: [a, b], relation, switched_on: true, left_out: 0, meeting: 0.0 }
+            });
+            found.switched_on &= !body.declared.collides(pair[0], pair[1]);
+            let relation = if left_out.contains(&pair) {
+                found.left_out += 1;
+                Relation::Overlap
+            } else if !excluded.contains(&pair) && body.model.collides(pair[0], pair[1]) {
+                Relation::Touch
+            } else {
+                continue;
+            };
+            if !matches!(found.relation, Relation::Neighbours | Relation::Touch) {
+                found.relation = relation;
             }
         }
-        let mut meeting: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         left_out.extend(&excluded);
+        let mut meeting: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         for posture in &seen[1..] {
             let met: BTreeSet<[usize; 2]> = posture.difference(&left_out).map(limbs).collect();
             met.into_iter().for_each(|pair| *meeting.entry(pair).or_default() += 1);
         }
-        let pairs = pairs.into_iter().map(|(limbs, tally)| {
-            let relation = if body.creature.neighbouring(limbs[0], limbs[1]) {
-                Relation::Neighbours
-            } else if tally.open > 0 {
-                Relation::Touch
-            } else if tally.left_out > 0 {
-                Relation::Overlap
-            } else {
-                Relation::Excluded
-            };
-            LimbPair {
-                limbs,
-                relation,
-                switched_on: relation == Relation::Touch && !tally.declared,
-                left_out: tally.left_out,
-                meeting: meeting.get(&limbs).map_or(0.0, |&n| n as f64 / POSTURES as f64),
-            }
+        let pairs = pairs.into_values().map(|pair| LimbPair {
+            switched_on: pair.switched_on && pair.relation == Relation::Touch,
+            meeting: meeting.get(&pair.limbs).map_or(0.0, |&n| n as f64 / POSTURES as f64),
+            ..pair
         });
         Ok(SelfContact { pairs: pairs.collect(), left_out, start })
     }
@@ -199,31 +189,19 @@ fn untangled(
     Ok(Some((best, seen)))
 }
 
-/// What there is between two limbs, geom by geom.
-#[derive(Clone, Copy, Debug, Default)]
-struct GeomPairTally {
-    declared: bool,
-    left_out: usize,
-    open: usize,
-}
-
 /// The limbs of two geoms that are felt, the earlier first.
 fn limb_pair(body: &Body, a: usize, b: usize) -> [usize; 2] {
-    let limb = |g: usize| body.limb_of_geom(g).unwrap_or(0);
-    [limb(a).min(limb(b)), limb(a).max(limb(b))]
+    sorted([a, b].map(|g| body.limb_of_geom(g).unwrap_or(0)))
 }
 
 /// The pairs of geoms, the lesser index first, whose bodies the model excludes, but for limbs that could then touch
 /// nothing at all.
 fn excluded(body: &Body) -> BTreeSet<[usize; 2]> {
-    let named: BTreeSet<[usize; 2]> = body.declared.excludes().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    let named: BTreeSet<[usize; 2]> = body.declared.excludes().map(sorted).collect();
     if named.is_empty() {
         return BTreeSet::new();
     }
-    let is_named = |a: usize, b: usize| {
-        let [a, b] = [a, b].map(|g| body.model.geom_body(g));
-        named.contains(&[a.min(b), a.max(b)])
-    };
+    let is_named = |a: usize, b: usize| named.contains(&sorted([a, b].map(|g| body.model.geom_body(g))));
     let mut touching = BTreeSet::new();
     let mut pairs = BTreeSet::new();
     for [a, b] in geom_pairs(body) {
@@ -266,10 +244,7 @@ impl<'a> Overlaps<'a> {
         self.data.set_qpos(&self.qpos)?;
         self.data.kinematics()?;
         self.data.collision()?;
-        let pairs = self.data.contacts().map(|contact| {
-            let [a, b] = contact.geoms;
-            [a.min(b), a.max(b)]
-        });
+        let pairs = self.data.contacts().map(|contact| sorted(contact.geoms));
         let apart = |&[a, b]: &[usize; 2]| {
             let [first, second] = limb_pair(self.body, a, b);
             !self.body.creature.neighbouring(first, second)

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 
+use super::sorted;
 use crate::creature::{Body, Creature, DofKind};
 use crate::geometry::{Ball, Capsule, Frame, Shape, clusters as clustered};
 use crate::kinematics::Chain;
@@ -58,8 +59,8 @@ pub(super) struct LimbCluster {
     pub members: Vec<u32>,
     /// A ball about them in the limb's frame.
     pub ball: Ball,
-    /// The joints from the root outwards.
-    levers: Vec<Lever>,
+    /// The joints that move it, from the root outwards.
+    pub levers: Vec<Lever>,
 }
 
 /// One joint that moves a limb's geoms, as seen from these.
@@ -123,7 +124,7 @@ pub(super) struct TouchablePairs {
     /// Per cluster, where the pairs begin of which it is the first; they are in the order of their second.
     first_pair: Vec<u32>,
     /// Per pair of geoms that can touch, in the order of the model's geoms, the lesser first: these, and their place among `geoms`.
-    found: Vec<([u32; 2], u32)>,
+    found: Vec<([usize; 2], u32)>,
 }
 
 impl TouchablePairs {
@@ -167,7 +168,7 @@ impl TouchablePairs {
                 }
                 let collide = |pair: &[u32; 2]| {
                     let [g, h] = pair.map(|k| bounds[k as usize].geom);
-                    body.model.collides(g, h) && !left_out.contains(&[g.min(h), g.max(h)])
+                    body.model.collides(g, h) && !left_out.contains(&sorted([g, h]))
                 };
                 let all = first.members.iter().flat_map(|&g| second.members.iter().map(move |&h| [g, h]));
                 let met_before = |&[g, h]: &[u32; 2]| {
@@ -192,10 +193,8 @@ impl TouchablePairs {
             }
         }
         first_pair.push(pairs.len() as u32);
-        let of_model = |place: usize| {
-            let [a, b] = geoms[place].map(|bound| bounds[bound as usize].geom as u32);
-            ([a.min(b), a.max(b)], place as u32)
-        };
+        let of_model =
+            |place: usize| (sorted(geoms[place].map(|bound| bounds[bound as usize].geom)), place as u32);
         let mut found: Vec<_> = (0..geoms.len()).map(of_model).collect();
         found.sort_unstable();
         TouchablePairs { bounds, clusters, pairs, geoms, first_pair, found }
@@ -206,11 +205,6 @@ impl TouchablePairs {
         &self.clusters[pair.clusters[side] as usize].levers[pair.inner[side] as usize..]
     }
 
-    /// All joints that move a cluster, from the root outwards.
-    pub fn all_levers(&self, cluster: usize) -> &[Lever] {
-        &self.clusters[cluster].levers
-    }
-
     /// The pair of two clusters, the lesser number first; none where they cannot touch.
     pub fn pair_of(&self, [first, second]: [usize; 2]) -> Option<usize> {
         let (begin, end) = (self.first_pair[first] as usize, self.first_pair[first + 1] as usize);
@@ -219,10 +213,8 @@ impl TouchablePairs {
     }
 
     /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
-    pub fn encounter(&self, [a, b]: [usize; 2]) -> Option<Encounter> {
-        let wanted = [a.min(b), a.max(b)].map(u32::try_from);
-        let wanted = [wanted[0].ok()?, wanted[1].ok()?];
-        let at = self.found.binary_search_by_key(&wanted, |(geoms, _)| *geoms).ok()?;
+    pub fn encounter(&self, geoms: [usize; 2]) -> Option<Encounter> {
+        let at = self.found.binary_search_by_key(&sorted(geoms), |(geoms, _)| *geoms).ok()?;
         let place = self.found[at].1;
         let pair = self.pairs.partition_point(|pair| pair.geoms[1] <= place);
         Some(self.encounter_of(pair, self.geoms[place as usize]))
@@ -329,7 +321,7 @@ mod tests {
     }
 
     fn geom_pairs(touchable: &TouchablePairs) -> Vec<[usize; 2]> {
-        touchable.found.iter().map(|(geoms, _)| geoms.map(|geom| geom as usize)).collect()
+        touchable.found.iter().map(|(geoms, _)| *geoms).collect()
     }
 
     #[test]

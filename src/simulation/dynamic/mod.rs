@@ -11,6 +11,7 @@ pub(super) use servo::Servo;
 use servo::{FINER, ServoPath};
 
 use super::motion::{Ending, Met, Motion, Movers, Moving};
+use super::sorted;
 use super::step::step;
 use crate::error::Result;
 use crate::mujoco::Data;
@@ -146,7 +147,7 @@ impl<'a> DynamicMotion<'a> {
             let [Some(a), Some(b)] = contact.geoms.map(|geom| self.movers.body.limb_of_geom(geom)) else {
                 continue;
             };
-            let limbs = [a.min(b), a.max(b)];
+            let limbs = sorted([a, b]);
             if let Some(press) = self.pressing.get_mut(&limbs).filter(|press| now - press.last <= PARTED) {
                 press.last = now;
                 continue;
@@ -176,7 +177,7 @@ impl<'a> DynamicMotion<'a> {
         for (contact, _) in data.pressing() {
             if let [Some(a), Some(b)] = contact.geoms.map(|geom| self.movers.body.limb_of_geom(geom)) {
                 let press = Press { last: self.state.time, felt: true };
-                self.pressing.insert([a.min(b), a.max(b)], press);
+                self.pressing.insert(sorted([a, b]), press);
             }
         }
         let neighbours = |contact| {

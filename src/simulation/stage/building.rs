@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::StageOptions;
-use super::core::{StageCore, sorted};
+use super::core::StageCore;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, JointSelection, Posture};
@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::mujoco::{Data, LONGEST_STEP, Model};
 use crate::senses::{ContactReader, SENSES, SensingBody};
 use crate::simulation::probe::{self, Probe};
-use crate::simulation::{ProbePath, SelfContact, thing};
+use crate::simulation::{ProbePath, SelfContact, sorted, thing};
 use crate::skin::{GrowOptions, grow};
 
 /// Where probes wait, metres along the world's x axis.

@@ -15,6 +15,7 @@ use crate::senses::{
     Toucher,
 };
 use crate::simulation::probe::Probe;
+use crate::simulation::sorted;
 use crate::simulation::step::step;
 
 /// What all senses tell of one step.
@@ -286,11 +287,6 @@ impl StageCore {
         }
         qpos
     }
-}
-
-/// Two geoms, the one with the lesser number first.
-pub fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
-    [a.min(b), a.max(b)]
 }
 
 /// Whether two geoms act on each other: not where they always overlap, nor a limb and one that carries it, nor what is
