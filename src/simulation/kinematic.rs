@@ -190,10 +190,7 @@ impl<'a> KinematicMotion<'a> {
     /// The deepest contact at `t`, by the engine, of geoms that can touch. What touched at the start is
     /// left out while it parts, unless it is the encounter itself.
     fn contact_at(&mut self, encounter: &Encounter, t: f64) -> Result<Option<(Encounter, Contact)>> {
-        let posture = self.clearance.posture(t);
-        self.movers.body.write_qpos(&posture, &mut self.qpos);
-        self.data.set_qpos(&self.qpos)?;
-        self.data.kinematics()?;
+        self.place(&self.clearance.posture(t))?;
         self.data.collision()?;
         self.moving.effort.engine_checks += 1;
         let heeded = |(met, contact): &(Encounter, Contact)| {
@@ -203,22 +200,21 @@ impl<'a> KinematicMotion<'a> {
         Ok(met.filter(heeded).min_by(|(_, c), (_, d)| c.distance.total_cmp(&d.distance)))
     }
 
+    /// Puts the engine's body into a posture.
+    fn place(&mut self, posture: &[f64]) -> Result<()> {
+        self.movers.body.write_qpos(posture, &mut self.qpos);
+        self.data.set_qpos(&self.qpos)?;
+        Ok(self.data.kinematics()?)
+    }
+
     /// Stops where the engine has just found `contact`, and reads it.
     fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> Result<Ending> {
         self.contact = Some(encounter);
-        for other in self.data.contacts() {
-            if self.movers.reader.read(self.movers.body, self.movers.agent.skin(), &self.data, &other)
-                == Reading::Neighbours
-            {
-                self.moving.effort.neighbours += 1;
-            }
-        }
+        self.moving.effort.neighbours += self.movers.neighbours(&self.data);
         let at = self.at_touch(t, &encounter);
         self.moving.posture = self.clearance.posture(at);
-        self.movers.body.write_qpos(&self.moving.posture, &mut self.qpos);
-        self.data.set_qpos(&self.qpos)?;
-        self.data.kinematics()?;
-        Ok(match self.movers.reader.read(self.movers.body, self.movers.agent.skin(), &self.data, &contact) {
+        self.place(&self.clearance.posture(at))?;
+        Ok(match self.movers.read(&self.data, &contact) {
             Reading::Touch(places) => Ending::Touch(Met::new(places, None)),
             _ => {
                 self.moving.effort.bare += 1;

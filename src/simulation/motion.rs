@@ -9,9 +9,10 @@ use super::{ConservativeAdvancement, SelfContact};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
 use crate::error::{Error, Kind, Result};
+use crate::mujoco::{Contact, Data};
 use crate::named::named;
 use crate::senses::{
-    ContactReader, ExactContact, Moment, Proprioception, RecordedTouch, SkinPlace, Touch, TouchEnd,
+    ContactReader, ExactContact, Moment, Proprioception, Reading, RecordedTouch, SkinPlace, Touch, TouchEnd,
 };
 
 /// Skin that met skin: two receptors, and the exact contact, which only a record of the touch takes in.
@@ -140,8 +141,8 @@ impl Moving {
 /// Makes movers of a body, one per thread. Geoms that overlap by construction are left out for good.
 pub struct Movers<'a> {
     pub(super) body: &'a Body,
-    pub(super) agent: &'a Agent,
-    pub(super) reader: ContactReader,
+    agent: &'a Agent,
+    reader: ContactReader,
     pub(super) clearance: ConservativeAdvancement,
     start: Posture,
     /// What carries it; `None` if motions are without forces.
@@ -194,6 +195,16 @@ impl<'a> Movers<'a> {
     /// Whether motions are by forces.
     pub fn is_dynamic(&self) -> bool {
         self.servo.is_some()
+    }
+
+    /// What a contact is to the agent where `data` has the body.
+    pub(super) fn read(&self, data: &Data, contact: &Contact) -> Reading {
+        self.reader.read(self.body, self.agent.skin(), data, contact)
+    }
+
+    /// How many contacts are of limbs that carry one another.
+    pub(super) fn neighbours(&self, data: &Data) -> u64 {
+        data.contacts().filter(|contact| self.read(data, contact) == Reading::Neighbours).count() as u64
     }
 
     /// A mover in the start posture.

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::ProbePath;
 use crate::model_files::{Element, element, exact};
 use crate::mujoco::Model;
 
@@ -17,10 +16,31 @@ const DAMPING_RATIO: f64 = 1.0;
 /// How long after the end of its path a probe may still swing, seconds.
 const SWINGS: f64 = 0.5;
 
+/// Where something's middle is to be, at which time: seconds and metres in the world's frame, in order of time. In
+/// between it goes straight; before and after it stays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbePath(pub Vec<(f64, Vector3<f64>)>);
+
+impl ProbePath {
+    /// Where the middle is to be at a time.
+    pub fn at(&self, time: f64) -> Option<Vector3<f64>> {
+        let next = self.0.partition_point(|(t, _)| *t <= time);
+        let before = next.checked_sub(1).map(|k| self.0[k]);
+        match (before, self.0.get(next)) {
+            (Some((t0, p0)), Some((t1, p1))) => Some(p0 + (p1 - p0) * ((time - t0) / (t1 - t0))),
+            (Some((_, p)), None) | (None, Some(&(_, p))) => Some(p),
+            (None, None) => None,
+        }
+    }
+
+    /// When it ends, seconds.
+    pub fn end(&self) -> f64 {
+        self.0.last().map_or(0.0, |(t, _)| *t)
+    }
+}
+
 /// A probe in the model: a ball on three slides.
 pub(super) struct Probe {
-    /// The model's body.
-    pub body: usize,
     /// Where its first coordinate is in `qpos`, and its first velocity in `qvel`.
     pub qposadr: usize,
     pub dofadr: usize,
@@ -33,7 +53,7 @@ impl Probe {
     pub fn of(model: &Model, name: &str) -> Option<Probe> {
         let body = (0..model.nbody()).find(|&body| model.body(body).name == Some(name))?;
         let first = model.joints().find(|joint| joint.body == body)?;
-        Some(Probe { body, qposadr: first.qposadr, dofadr: first.dofadr, path: ProbePath::default() })
+        Some(Probe { qposadr: first.qposadr, dofadr: first.dofadr, path: ProbePath::default() })
     }
 
     /// Whether it is still at rest where its path has ended.

@@ -9,7 +9,7 @@ use crate::creature::JointSelection;
 use crate::error::{Error, Result};
 use crate::senses::{Party, Sensation, TouchEvent, TouchKind, TouchSensor};
 use crate::simulation::partner::{Stimulation, Strokes};
-use crate::simulation::{Stage, StepSenses};
+use crate::simulation::{ProbePath, Stage, StepSenses};
 use crate::skin::SomatotopicMap;
 
 pub(super) const STUDY: Study = Study {
@@ -51,6 +51,9 @@ pub(super) const STUDY: Study = Study {
 
 /// How long after the end of a stimulation a sensation is waited for, seconds: half of it a probe may be stuck somewhere.
 const PATIENCE: f64 = 1.0;
+/// What touches.
+const PROBE: &str = "probe";
+
 /// What is done in a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Doing {
@@ -95,7 +98,7 @@ impl Doing {
 
 fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
-    let stage = subject.stage(&JointSelection::All, &["probe"], Vec::new())?;
+    let stage = subject.stage(&JointSelection::All, &[PROBE], Vec::new())?;
     let map = stage.sense(|sensor: &mut TouchSensor| sensor.map().clone());
     let mut rows = Vec::new();
     for (stream, doing) in Doing::ALL.into_iter().enumerate().filter(|(_, doing)| trial.asks(doing.name())) {
@@ -153,7 +156,7 @@ fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, Error> {
 
 /// Sends a probe and lets the creature feel it; what was felt of it, and when each sensation was decided.
 fn feel(stage: &Stage, done: &Stimulation) -> Result<Vec<(Sensation, f64)>> {
-    let probe = Party::Thing(stage.probe_thing(0));
+    let probe = stage.thing(PROBE).map(Party::Thing);
     stage.send_probe(0, done.path.clone())?;
     let end = done.path.end() + PATIENCE;
     let mut felt = Vec::new();
@@ -164,7 +167,7 @@ fn feel(stage: &Stage, done: &Stimulation) -> Result<Vec<(Sensation, f64)>> {
             TouchEvent::Began { .. } => None,
         }));
     }
-    felt.retain(|(sensation, _)| sensation.by == probe);
-    stage.withdraw_probe(0)?;
+    felt.retain(|(sensation, _)| Some(sensation.by) == probe);
+    stage.send_probe(0, ProbePath::default())?;
     Ok(felt)
 }

@@ -223,7 +223,7 @@ fn which_limb_a_ball_is_going_to_touch_is_foreseen() {
             told.push((step.time, stage.sense(limbs_in_danger).first().copied()));
             hit = step.contacts.first().map(|contact| (step.time, contact.spot.limb));
         }
-        stage.withdraw_probe(0).unwrap();
+        stage.send_probe(0, ProbePath::default()).unwrap();
         let Some((when, limb)) = hit else { continue };
         hits += 1;
         // As it was foreseen 0.3 s before.

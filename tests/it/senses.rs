@@ -219,7 +219,7 @@ fn random_stimulations_of_max_are_told_right_and_soon() {
         ..StageOptions::default()
     };
     let stage = Stage::new(&repository("mjcf/max/max.xml"), &options).expect("Max can be touched");
-    let probe = stage.probe_thing(0);
+    let probe = stage.thing("probe").unwrap();
     for seed in [1, 2] {
         for (k, kind) in TouchKind::ALL.into_iter().enumerate() {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);

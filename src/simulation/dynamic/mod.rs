@@ -157,9 +157,7 @@ impl<'a> DynamicMotion<'a> {
             if fired.is_some_and(|fired| fired.met.depth() >= depth) || !feel {
                 continue;
             }
-            if let Reading::Touch(places) =
-                self.movers.reader.read(self.movers.body, self.movers.agent.skin(), data, &contact)
-            {
+            if let Reading::Touch(places) = self.movers.read(data, &contact) {
                 let (met, moment) = (Met::new(places, depth), Moment { time: now, force });
                 fired = Some(Fired { met, level, moment });
             }
@@ -180,12 +178,7 @@ impl<'a> DynamicMotion<'a> {
                 self.pressing.insert(sorted([a, b]), press);
             }
         }
-        let neighbours = |contact| {
-            self.movers.reader.read(self.movers.body, self.movers.agent.skin(), data, &contact)
-                == Reading::Neighbours
-        };
-        self.moving.effort.neighbours +=
-            data.contacts().filter(|contact| neighbours(*contact)).count() as u64;
+        self.moving.effort.neighbours += self.movers.neighbours(data);
         self.moving.moment = Some(fired.moment);
         Ending::Touch(fired.met)
     }

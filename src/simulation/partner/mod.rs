@@ -3,7 +3,6 @@
 //! They are made from where the skin really is, for they are done to the creature, not by it.
 
 mod caress;
-mod crossing;
 mod script;
 mod stimulation;
 

@@ -204,7 +204,8 @@ impl Stage {
         self.core.borrow_mut().give_stick(thing, receptor, end, direction)
     }
 
-    /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on.
+    /// Puts a probe to the beginning of a path, at rest, and lets it follow from now on; by an empty path it goes far from the
+    /// creature, and from other probes.
     ///
     /// # Errors
     /// Where the engine fails.
@@ -213,32 +214,12 @@ impl Stage {
     /// Where there is no such probe.
     pub fn send_probe(&self, probe: usize, path: ProbePath) -> Result<()> {
         let core = &mut *self.core.borrow_mut();
-        let Some(start) = path.at(core.time) else { return Ok(()) };
-        core.probes[probe].path = path;
+        let start = path.at(core.time).unwrap_or_else(|| building::away(probe));
+        core.probes[probe].path = if path.0.is_empty() { ProbePath(vec![(core.time, start)]) } else { path };
         core.put(|core, qpos, qvel| core.probes[probe].put(&start, qpos, qvel))
     }
 
-    /// Puts a probe far from the creature, and from other probes, until it is sent again.
-    ///
-    /// # Errors
-    /// Where the engine fails.
-    ///
-    /// # Panics
-    /// Where there is no such probe.
-    pub fn withdraw_probe(&self, probe: usize) -> Result<()> {
-        let away = building::away(probe);
-        self.send_probe(probe, ProbePath(vec![(self.time(), away)]))
-    }
-
-    /// The number that a probe is felt as.
-    ///
-    /// # Panics
-    /// Where there is no such probe.
-    pub fn probe_thing(&self, probe: usize) -> usize {
-        self.core.borrow().probes[probe].body
-    }
-
-    /// The number of a thing by its name.
+    /// The number of a thing, or of a probe, by its name.
     pub fn thing(&self, name: &str) -> Option<usize> {
         (0..self.body.model.nbody()).find(|&b| self.body.model.body(b).name == Some(name))
     }
