@@ -53,7 +53,7 @@ fn measure(name: &str, model: Model, seconds: f64) {
     let (mut touches, mut passed) = (0, 0.0);
     while passed < seconds {
         if mover.effort().motions.is_multiple_of(MOTIONS_PER_BOUT) {
-            mover.reset(movers.start()).expect("the engine goes on");
+            mover.reset().expect("the engine goes on");
         }
         match mover.advance(&Posture::random(&body.creature, &mut rng)) {
             Ok(ending) => touches += u64::from(matches!(ending, Ending::Touch(_))),

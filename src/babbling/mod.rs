@@ -195,7 +195,7 @@ impl<'a> Babbler<'a> {
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(bout);
-        mover.reset(self.movers.start())?;
+        mover.reset()?;
         mover.draw_noise_from(noise_of(seed, bout));
         let mut policy = Random::new(self.movers.agent().creature());
         let mut touches = Vec::new();
@@ -234,7 +234,7 @@ impl<'a> Babbler<'a> {
             let caught = in_vain > 0 && in_vain % MOTIONS_PER_BOUT == 0;
             if policy.starts_over() || caught {
                 before = effort;
-                mover.reset(self.movers.start())?;
+                mover.reset()?;
             }
             let target = policy.next_target(&mover.felt_posture()?, &mut rng);
             let ending = mover.advance(&target)?;

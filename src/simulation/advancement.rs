@@ -17,7 +17,7 @@ use super::kept_apart;
 use super::relative_motion::{PairMotion, outlasts, until_zero};
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
-use crate::creature::{Body, Posture};
+use crate::creature::Body;
 use crate::error::Result;
 use crate::geometry::{Ball, Capsule, Gap, PlacedShape, Precision, gap_from, separation};
 use crate::ground_truth::GroundTruth;
@@ -25,10 +25,10 @@ use crate::kinematics::LimbMotion;
 
 /// How far a creature's motions can go, by the gaps between its geoms along them.
 #[derive(Clone, Debug)]
-pub struct ConservativeAdvancement {
+pub(super) struct ConservativeAdvancement {
     /// The same for all motions of a body.
-    touchable: Arc<TouchablePairs>,
-    motion: StraightMotion,
+    pub(super) touchable: Arc<TouchablePairs>,
+    pub(super) motion: StraightMotion,
     limbs: Vec<LimbMotion>,
     /// Per bound, its capsule in the root's frame, where its cluster is placed.
     world: Vec<Capsule>,
@@ -133,11 +133,6 @@ impl ConservativeAdvancement {
             steps: 0,
             touchable,
         })
-    }
-
-    /// Whether any two geoms can touch at all.
-    pub fn is_empty(&self) -> bool {
-        self.touchable.pairs.is_empty()
     }
 
     /// Sets out from `start` to `target`, in contact at the start where `contact` says so.
@@ -256,11 +251,6 @@ impl ConservativeAdvancement {
         LEAST_ADVANCE * (1 + self.steps / CREEPING) as f64
     }
 
-    /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
-    pub fn encounter(&self, geoms: [usize; 2]) -> Option<Encounter> {
-        self.touchable.encounter(geoms)
-    }
-
     /// Whether the encounter is what touched at the start and has not parted since.
     pub fn parting(&self, encounter: &Encounter) -> bool {
         self.start_contact == Some(*encounter)
@@ -283,7 +273,7 @@ impl ConservativeAdvancement {
         let pair = self.touchable.pairs[encounter.pair];
         // Any such point is in the lesser of the two.
         let bound = |side: usize| &self.touchable.bounds[encounter.bounds[side] as usize];
-        let side = if bound(0).reach <= bound(1).reach { 0 } else { 1 };
+        let side = usize::from(bound(0).reach > bound(1).reach);
         let Capsule { ends, radius } = bound(side).capsule;
         let limbs = pair.limbs();
         let turning = (self.limbs[limbs[0]].omega - self.limbs[limbs[1]].omega).norm();
@@ -316,11 +306,6 @@ impl ConservativeAdvancement {
         };
         let velocity = self.pair_motion(&pair).relative_velocity(&points);
         Some((distance, normal.dot(&velocity)))
-    }
-
-    /// The posture at `t`.
-    pub fn posture(&self, t: f64) -> Posture {
-        self.motion.posture(t)
     }
 
     /// How far the motion may advance from where the limbs are placed before limb pair `k` can touch, and

@@ -44,8 +44,8 @@ impl Motion for KinematicMotion<'_> {
         &self.moving
     }
 
-    fn reset(&mut self, posture: &[f64]) -> Result<()> {
-        self.moving = Moving::at(posture);
+    fn reset(&mut self) -> Result<()> {
+        self.moving = Moving::at(&self.movers.start);
         self.contact = None;
         Ok(())
     }
@@ -71,7 +71,7 @@ impl<'a> KinematicMotion<'a> {
             clearance: movers.clearance.clone(),
             qpos: vec![0.0; model.nq()],
             contact: None,
-            moving: Moving::at(movers.start()),
+            moving: Moving::at(&movers.start),
         })
     }
 
@@ -181,7 +181,7 @@ impl<'a> KinematicMotion<'a> {
             }
         }
         // The engine's contact begins deeper than a touch may be: it ends the motion, and is none.
-        self.moving.posture = self.clearance.posture(free);
+        self.moving.posture = self.clearance.motion.posture(free);
         self.contact = Some(deep.0);
         self.moving.effort.bare += 1;
         Ok(Ending::Bare)
@@ -190,13 +190,14 @@ impl<'a> KinematicMotion<'a> {
     /// The deepest contact at `t`, by the engine, of geoms that can touch. What touched at the start is
     /// left out while it parts, unless it is the encounter itself.
     fn contact_at(&mut self, encounter: &Encounter, t: f64) -> Result<Option<(Encounter, Contact)>> {
-        self.place(&self.clearance.posture(t))?;
+        self.place(&self.clearance.motion.posture(t))?;
         self.data.collision()?;
         self.moving.effort.engine_checks += 1;
         let heeded = |(met, contact): &(Encounter, Contact)| {
             met == encounter || self.contact != Some(*met) || contact.distance < -DEEPEST
         };
-        let met = self.data.contacts().filter_map(|c| Some((self.clearance.encounter(c.geoms)?, c)));
+        let met =
+            self.data.contacts().filter_map(|c| Some((self.clearance.touchable.encounter(c.geoms)?, c)));
         Ok(met.filter(heeded).min_by(|(_, c), (_, d)| c.distance.total_cmp(&d.distance)))
     }
 
@@ -212,8 +213,8 @@ impl<'a> KinematicMotion<'a> {
         self.contact = Some(encounter);
         self.moving.effort.neighbours += self.movers.neighbours(&self.data);
         let at = self.at_touch(t, &encounter);
-        self.moving.posture = self.clearance.posture(at);
-        self.place(&self.clearance.posture(at))?;
+        self.moving.posture = self.clearance.motion.posture(at);
+        self.place(&self.clearance.motion.posture(at))?;
         Ok(match self.movers.read(&self.data, &contact) {
             Reading::Touch(places) => Ending::Touch(Met::new(places, None)),
             _ => {

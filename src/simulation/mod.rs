@@ -22,7 +22,6 @@ mod straight_motion;
 mod thing;
 mod touchable;
 
-pub use advancement::ConservativeAdvancement;
 pub use agent_handle::AgentHandle;
 pub use event::{aura_event_json, event_json};
 pub use kinematic::DEEPEST;

@@ -3,9 +3,10 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::SelfContact;
+use super::advancement::ConservativeAdvancement;
 use super::dynamic::{DynamicMotion, Servo};
 use super::kinematic::KinematicMotion;
-use super::{ConservativeAdvancement, SelfContact};
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};
 use crate::error::{Error, Kind, Result};
@@ -106,8 +107,8 @@ pub(super) trait Motion {
     /// Where the last motion has brought it.
     fn moving(&self) -> &Moving;
 
-    /// Begins a bout: at rest in `posture`, no effort made yet.
-    fn reset(&mut self, posture: &[f64]) -> Result<()>;
+    /// Begins a bout: at rest where motions start, no effort made yet.
+    fn reset(&mut self) -> Result<()>;
 
     /// Moves towards `target` until it touches itself or cannot get further.
     fn advance(&mut self, target: &[f64]) -> Result<Ending>;
@@ -144,7 +145,8 @@ pub struct Movers<'a> {
     agent: &'a Agent,
     reader: ContactReader,
     pub(super) clearance: ConservativeAdvancement,
-    start: Posture,
+    /// The posture that bouts start from.
+    pub(super) start: Posture,
     /// What carries it; `None` if motions are without forces.
     servo: Option<Servo>,
 }
@@ -164,7 +166,7 @@ impl<'a> Movers<'a> {
         let SelfContact { left_out, start, .. } = SelfContact::new(body)?;
         let reader = ContactReader::new(body, agent.skin());
         let clearance = ConservativeAdvancement::new(body, &left_out)?;
-        if clearance.is_empty() {
+        if clearance.touchable.pairs.is_empty() {
             let joints: Vec<&str> = body.creature.joints().iter().map(|joint| joint.name.as_str()).collect();
             let joints = joints.join(", ");
             return Err(Error::new(
@@ -185,11 +187,6 @@ impl<'a> Movers<'a> {
     /// What the agent whose body moves is given.
     pub fn agent(&self) -> &'a Agent {
         self.agent
-    }
-
-    /// The posture that bouts start from.
-    pub fn start(&self) -> &[f64] {
-        &self.start
     }
 
     /// Whether motions are by forces.
@@ -229,12 +226,12 @@ pub struct Mover<'a> {
 }
 
 impl Mover<'_> {
-    /// Begins a bout: at rest in `posture`, no effort made yet.
+    /// Begins a bout: at rest in the start posture, no effort made yet.
     ///
     /// # Errors
     /// Where the engine fails.
-    pub fn reset(&mut self, posture: &[f64]) -> Result<()> {
-        self.motion.reset(posture)
+    pub fn reset(&mut self) -> Result<()> {
+        self.motion.reset()
     }
 
     /// Draws the noise of its senses from another random stream from now on.

@@ -336,7 +336,7 @@ fn assert_nothing_jumped(name: &str, mut judge: Judge, motions: usize, steps: us
             break;
         }
         if motion % MOTIONS_PER_BOUT == 0 {
-            mover.reset(babbler.movers().start()).unwrap();
+            mover.reset().unwrap();
         }
         let start = mover.posture().to_vec();
         let target = Posture::random(&body.creature, &mut rng);

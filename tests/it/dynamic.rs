@@ -151,7 +151,7 @@ fn what_is_felt_must_part_before_it_is_felt_again() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut stuck = 0;
     for _ in 0..60 {
-        mover.reset(&start).unwrap();
+        mover.reset().unwrap();
         let target = Posture::random(&body.creature, &mut rng);
         if !matches!(mover.advance(&target).unwrap(), Ending::Touch(_)) {
             continue;

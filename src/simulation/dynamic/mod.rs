@@ -61,7 +61,7 @@ pub(super) struct DynamicMotion<'a> {
     servo: &'a Servo,
     /// Of each kind of step.
     levels: Vec<Data>,
-    /// `qpos` of what does not move.
+    /// `qpos` where motions start, and always of what does not move.
     held: Vec<f64>,
     state: SimulatedState,
     /// Per pair of limbs that press on each other.
@@ -75,7 +75,7 @@ impl<'a> DynamicMotion<'a> {
         let model = &movers.body.model;
         let levels = servo.levels.iter().map(|model| Data::new(model.clone())).collect::<Result<_, _>>()?;
         let mut held = vec![0.0; model.nq()];
-        movers.body.write_qpos(movers.start(), &mut held);
+        movers.body.write_qpos(&movers.start, &mut held);
         Ok(DynamicMotion {
             movers,
             servo,
@@ -83,7 +83,7 @@ impl<'a> DynamicMotion<'a> {
             state: SimulatedState { qpos: held.clone(), qvel: vec![0.0; model.nv()], time: 0.0 },
             held,
             pressing: BTreeMap::new(),
-            moving: Moving::at(movers.start()),
+            moving: Moving::at(&movers.start),
         })
     }
 
@@ -120,7 +120,7 @@ impl<'a> DynamicMotion<'a> {
         step(
             &mut self.levels[level],
             (&self.state.qpos, &self.state.qvel),
-            |geoms| self.movers.clearance.encounter(geoms).is_some(),
+            |geoms| self.movers.clearance.touchable.encounter(geoms).is_some(),
             |data| self.servo.forces(path, self.state.time, data),
         )?;
         self.moving.effort.engine_checks += 1;
@@ -215,14 +215,14 @@ impl Motion for DynamicMotion<'_> {
         &self.moving
     }
 
-    fn reset(&mut self, posture: &[f64]) -> Result<()> {
+    fn reset(&mut self) -> Result<()> {
         // What the engine begins its solver with must not depend on the bout before.
         self.levels.iter_mut().try_for_each(Data::reset)?;
-        self.movers.body.write_qpos(posture, &mut self.state.qpos);
+        self.state.qpos.clone_from(&self.held);
         self.state.qvel.fill(0.0);
         self.state.time = 0.0;
         self.pressing.clear();
-        self.moving = Moving::at(posture);
+        self.moving = Moving::at(&self.movers.start);
         Ok(())
     }
 

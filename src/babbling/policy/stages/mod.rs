@@ -70,8 +70,6 @@ pub struct Stages {
     wanted: Vec<bool>,
     /// Per pair of limbs, the touches that it serves the goal to repeat.
     repeatable: BTreeMap<[usize; 2], Vec<usize>>,
-    /// Per pair of limbs, how often they touched each other.
-    felt: BTreeMap<[usize; 2], usize>,
     /// Per joint, whether it moves.
     free: Vec<bool>,
     /// Motions for the present goal, and the most.
@@ -151,7 +149,6 @@ impl Stages {
             aim: Goal::Joints(Vec::new()),
             wanted: vec![false; creature.limbs().len()],
             repeatable: BTreeMap::new(),
-            felt: BTreeMap::new(),
             free: vec![false; joints],
             motions: 0,
             patience: TRIAL_MOTIONS,
@@ -301,7 +298,6 @@ impl Policy for Stages {
         self.remember(number);
         self.met = Some(Met { touch: Some(number), back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
-            *self.felt.entry(felt.told.limbs).or_default() += 1;
             let first = self.growth.schema().is_none();
             let tells = !felt.spare && felt.told.moving.iter().all(|&joint| self.free[joint]);
             let tells = tells && (!first || felt.freedom >= FREEDOM);
