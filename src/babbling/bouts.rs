@@ -32,46 +32,35 @@ pub enum Made<'a> {
     Grown(&'a Growth),
 }
 
-/// A whole bout that was made before, by this process or another.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RecordedBout {
+/// The touches and the effort of one bout.
+#[derive(Clone, Debug)]
+pub struct Bout {
     /// Its touches.
     pub touches: Vec<RecordedTouch>,
-    /// What all its motions cost.
-    pub effort: Effort,
-}
-
-/// The touches and the effort of one bout.
-pub(super) struct Bout {
-    /// The touches, each with the bout's effort up to it.
-    pub touches: Vec<(RecordedTouch, Effort)>,
+    /// The effort up to each of them, which is not recorded.
+    pub(super) so_far: Vec<Effort>,
     /// The effort of all its motions.
     pub effort: Effort,
     /// Whether it came to its end; what comes after one that did not would leave a gap.
-    pub is_whole: bool,
+    pub(super) is_whole: bool,
 }
 
 impl Bout {
+    /// A whole one that was made before, by this process or another.
+    pub fn recorded(touches: Vec<RecordedTouch>, effort: Effort) -> Bout {
+        Bout { touches, so_far: Vec::new(), effort, is_whole: true }
+    }
+
     /// The same, if it is what was recorded of it.
-    pub fn checked(self, number: u64, recorded: Option<RecordedBout>) -> Result<Bout> {
-        let same = recorded.is_none_or(|recorded| {
-            self.effort.motions == recorded.effort.motions
-                && self.touches.iter().map(|(touch, _)| touch).eq(&recorded.touches)
-        });
-        same.then_some(self).ok_or_else(|| {
-            Error::model(format!(
+    pub(super) fn checked(self, number: u64, recorded: Option<Bout>) -> Result<Bout> {
+        let same = |other: Bout| self.effort.motions == other.effort.motions && self.touches == other.touches;
+        match recorded.is_none_or(same) {
+            true => Ok(self),
+            false => Err(Error::model(format!(
                 "bout {number} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
                  on a machine that reckons otherwise; make that share again, here"
-            ))
-        })
-    }
-}
-
-impl From<RecordedBout> for Bout {
-    /// The effort up to each touch is not recorded: all touches have that of the bout.
-    fn from(recorded: RecordedBout) -> Bout {
-        let RecordedBout { touches, effort } = recorded;
-        Bout { touches: touches.into_iter().map(|touch| (touch, effort)).collect(), effort, is_whole: true }
+            ))),
+        }
     }
 }
 
@@ -119,11 +108,11 @@ pub(super) fn gather(
         waiting.insert(number, bout);
         while let Some(bout) = waiting.remove(&done.bouts) {
             let bout = bout?;
-            for (touch, so_far) in &bout.touches {
+            for (k, touch) in bout.touches.iter().enumerate() {
                 receive(Made::Touch(touch))?;
                 done.touches += 1;
                 if end.in_bout && end.is_reached(&done) {
-                    done.effort += *so_far;
+                    done.effort += bout.so_far.get(k).copied().unwrap_or(bout.effort);
                     return Ok(done);
                 }
             }
@@ -163,8 +152,9 @@ mod tests {
 
     /// A whole bout of so many touches, two motions each, and one motion more.
     fn bout(number: u64, touches: u64) -> Bout {
-        let touches = (1..=touches).map(|k| (touch(number, 2 * k), effort(2 * k))).collect::<Vec<_>>();
-        Bout { effort: effort(2 * touches.len() as u64 + 1), touches, is_whole: true }
+        let so_far = (1..=touches).map(|k| effort(2 * k)).collect();
+        let made = (1..=touches).map(|k| touch(number, 2 * k)).collect();
+        Bout { touches: made, so_far, effort: effort(2 * touches + 1), is_whole: true }
     }
 
     /// The bouts of the touches handed on, and the result, of bouts that become ready in this order.

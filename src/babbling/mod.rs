@@ -12,10 +12,10 @@ use std::sync::mpsc;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub use bouts::{BoutsDone, Made, RecordedBout};
+pub use bouts::{Bout, BoutsDone, Made};
 pub use policy::{Policy, PolicyName};
 
-use crate::babbling::bouts::{Bout, End, gather};
+use crate::babbling::bouts::{End, gather};
 use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
 use crate::error::{Error, Kind, Result};
@@ -56,6 +56,8 @@ pub struct BabblingOptions {
 /// An agent that babbles.
 pub struct Babbler<'a> {
     movers: Movers<'a>,
+    /// Bouts without a single touch after which babbling is given up.
+    fruitless_bouts: u64,
     deadline: Deadline,
     input: Input,
 }
@@ -63,7 +65,8 @@ pub struct Babbler<'a> {
 impl<'a> Babbler<'a> {
     /// An agent that babbles by these movers of its body.
     pub fn new(movers: Movers<'a>) -> Babbler<'a> {
-        Babbler { movers, deadline: Deadline::NEVER, input: Input::Receptor }
+        let fruitless_bouts = if movers.is_dynamic() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS };
+        Babbler { movers, fruitless_bouts, deadline: Deadline::NEVER, input: Input::Receptor }
     }
 
     /// The same that begins no motion after a deadline: its touches are the first ones of those that it would have made.
@@ -131,14 +134,14 @@ impl<'a> Babbler<'a> {
         &self,
         from: BoutsDone,
         options: &BabblingOptions,
-        mut recorded: impl FnMut(u64) -> Option<RecordedBout>,
+        mut recorded: impl FnMut(u64) -> Option<Bout>,
         mut receive: impl FnMut(Made) -> Result<()>,
     ) -> Result<Effort> {
         let (mut mover, mut touches) = (None, from.touches);
         let mut bouts = (from.bouts..).map(|bout| {
             // Where a bout is cut short, what it cost up to there has to be known, which no share keeps.
             let made = match recorded(bout) {
-                Some(recorded) if touches + recorded.touches.len() < options.touches => Ok(recorded.into()),
+                Some(recorded) if touches + recorded.touches.len() < options.touches => Ok(recorded),
                 recorded => {
                     self.bout(&mut mover, options.seed, bout).and_then(|made| made.checked(bout, recorded))
                 }
@@ -146,7 +149,13 @@ impl<'a> Babbler<'a> {
             touches += made.as_ref().map_or(0, |made: &Bout| made.touches.len());
             (bout, made)
         });
-        let done = gather(&mut bouts, from, End::at_touch(options.touches), self.limits(), &mut receive)?;
+        let done = gather(
+            &mut bouts,
+            from,
+            End::at_touch(options.touches),
+            (self.fruitless_bouts, self.deadline),
+            &mut receive,
+        )?;
         ended(options, done.touches, done.effort)
     }
 
@@ -179,7 +188,8 @@ impl<'a> Babbler<'a> {
                 });
             }
             drop(sender);
-            let result = gather(&mut receiver.iter(), from, end, self.limits(), receive);
+            let result =
+                gather(&mut receiver.iter(), from, end, (self.fruitless_bouts, self.deadline), receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
@@ -198,16 +208,17 @@ impl<'a> Babbler<'a> {
         mover.reset()?;
         mover.draw_noise_from(noise_of(seed, bout));
         let mut policy = Random::new(self.movers.agent().creature());
-        let mut touches = Vec::new();
+        let (mut touches, mut so_far) = (Vec::new(), Vec::new());
         let is_whole = |made: usize, motions| made >= TOUCHES_PER_BOUT || motions >= MOTIONS_PER_BOUT;
         while !is_whole(touches.len(), mover.effort().motions) && !self.deadline.has_passed() {
             let target = policy.next_target(&mover.felt_posture()?, &mut rng);
             if let Ending::Touch(met) = mover.advance(&target)? {
-                touches.push((mover.touch(bout, met)?, mover.effort()));
+                touches.push(mover.touch(bout, met)?);
+                so_far.push(mover.effort());
             }
         }
         let effort = mover.effort();
-        Ok(Bout { is_whole: is_whole(touches.len(), effort.motions), touches, effort })
+        Ok(Bout { is_whole: is_whole(touches.len(), effort.motions), touches, so_far, effort })
     }
 
     /// Babbles by a policy, one motion after the other from where the last one stopped, or from the start after a
@@ -253,22 +264,12 @@ impl<'a> Babbler<'a> {
             } else {
                 policy.missed(&ending, &mover.felt_posture()?);
                 in_vain += 1;
-                if in_vain >= self.fruitless_bouts() * MOTIONS_PER_BOUT {
+                if in_vain >= self.fruitless_bouts * MOTIONS_PER_BOUT {
                     break;
                 }
             }
         }
         ended(options, received, effort)
-    }
-
-    /// Bouts without a single touch after which babbling is given up.
-    fn fruitless_bouts(&self) -> u64 {
-        if self.movers.is_dynamic() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS }
-    }
-
-    /// When babbling ends though not all touches are made.
-    fn limits(&self) -> (u64, Deadline) {
-        (self.fruitless_bouts(), self.deadline)
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::{MadeShares, Unready, bouts_of_share, made_shares};
 use crate::agent::Agent;
-use crate::babbling::RecordedBout;
+use crate::babbling::Bout;
 use crate::error::Error;
 use crate::session::{Session, Shares, TOUCHES_FILE, read_touches};
 use crate::share::Share;
@@ -36,7 +36,7 @@ impl BabbledShares {
     pub(in crate::session) fn bouts(
         &self,
         agent: &Agent,
-    ) -> Result<impl FnMut(u64) -> Option<RecordedBout> + use<>, Error> {
+    ) -> Result<impl FnMut(u64) -> Option<Bout> + use<>, Error> {
         let mut made = BTreeMap::new();
         for (share, folder, _) in &self.0 {
             made.extend(read_share(folder, *share, agent)?);
@@ -46,7 +46,7 @@ impl BabbledShares {
 }
 
 /// The bouts of one share, by their numbers.
-fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64, RecordedBout>, Error> {
+fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64, Bout>, Error> {
     let bouts = bouts_of_share(folder, share)?;
     let path = folder.join(TOUCHES_FILE);
     let mut touches = read_touches(&path, agent)?.touches.into_iter().peekable();
@@ -64,7 +64,7 @@ fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64
         if of_bout.len() != line.touches {
             return Err(lost(format!("in bout {}", line.bout)));
         }
-        recorded.insert(line.bout, RecordedBout { touches: of_bout, effort: line.effort });
+        recorded.insert(line.bout, Bout::recorded(of_bout, line.effort));
     }
     match touches.peek() {
         Some(_) => Err(lost("after the last bout".to_string())),
