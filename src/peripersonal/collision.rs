@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::Obstacle;
 use super::own_body::OwnBody;
+use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::geometry::{Ball, Capsule, ConvexBody, Frame, Gap, PlacedShape, Precision, Shape, gap};
 use crate::kinematics::Chain;
@@ -24,6 +25,54 @@ struct LimbPiece {
     surface: Surface,
     /// No point of it is outside this ball in the limb's frame.
     ball: Ball,
+}
+
+/// What limbs are made of.
+#[derive(Clone, Debug)]
+pub struct LimbPieces {
+    /// Per limb, its solid pieces.
+    of: Vec<Vec<LimbPiece>>,
+    /// Per limb, a ball about its pieces; none where it has none.
+    bounds: Vec<Option<Ball>>,
+}
+
+impl LimbPieces {
+    /// The surfaces of an agent's limbs.
+    pub fn new(agent: &Agent) -> LimbPieces {
+        let mut of: Vec<Vec<LimbPiece>> = vec![Vec::new(); agent.creature().limbs().len()];
+        for surface in agent.skin().surfaces.iter().filter(|surface| surface.shape.is_solid()) {
+            of[surface.limb].push(LimbPiece::new(surface.clone()));
+        }
+        let bounds = of.iter().map(|pieces| bound(pieces)).collect();
+        LimbPieces { of, bounds }
+    }
+
+    /// Whether a limb has any.
+    pub fn has(&self, limb: usize) -> bool {
+        self.bounds[limb].is_some()
+    }
+
+    /// The exact gap of two limbs at `frames` where it is below a limit, metres; no less than that elsewhere.
+    pub fn gap(&self, frames: &[Frame], [a, b]: [usize; 2], below: f64) -> f64 {
+        let apart = self.ball_gap(frames, [a, b]);
+        if apart > below {
+            return apart;
+        }
+        let pairs = self.of[a].iter().flat_map(|p| self.of[b].iter().map(move |q| (p, q)));
+        let gaps = pairs.map(|(p, q)| match p.ball_gap(&frames[a], q, &frames[b]) {
+            apart if apart > below => apart,
+            _ => gap(&p.placed(&frames[a]), &q.placed(&frames[b]), Precision::Exact).distance,
+        });
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The gap between the balls about two limbs, metres.
+    fn ball_gap(&self, frames: &[Frame], [a, b]: [usize; 2]) -> f64 {
+        match (&self.bounds[a], &self.bounds[b]) {
+            (Some(p), Some(q)) => p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre)),
+            _ => f64::INFINITY,
+        }
+    }
 }
 
 /// Two limbs that feel each other.
@@ -52,10 +101,7 @@ pub struct Nearness {
 /// The surfaces of a body, and what is known to be about it.
 #[derive(Clone, Debug)]
 pub struct CollisionChecker {
-    /// Per limb, what it is made of.
-    pieces: Vec<Vec<LimbPiece>>,
-    /// Per limb, a ball about its pieces; none where it has none.
-    bounds: Vec<Option<Ball>>,
+    pieces: LimbPieces,
     pairs: Vec<GuardedPair>,
     /// Per limb, whether obstacles matter to it.
     exposed: Vec<bool>,
@@ -69,18 +115,11 @@ impl CollisionChecker {
     /// The surfaces of a body with nothing about it. Limbs that carry each other, and pieces that overlap at ease or
     /// that overlapped in a posture that was lived through, are taken not to feel each other.
     pub fn new(own: &OwnBody) -> CollisionChecker {
-        let mut pieces: Vec<Vec<LimbPiece>> = vec![Vec::new(); own.creature().limbs().len()];
-        for surface in own.skin().surfaces.iter().filter(|surface| surface.shape.is_solid()) {
-            let ball = Ball { centre: surface.origin, radius: surface.shape.bounding_radius() };
-            pieces[surface.limb].push(LimbPiece { surface: surface.clone(), ball });
-        }
-        let bound =
-            |pieces: &Vec<LimbPiece>| Ball::about(&pieces.iter().map(|piece| piece.ball).collect::<Vec<_>>());
-        let bounds: Vec<_> = pieces.iter().map(bound).collect();
+        let pieces = LimbPieces::new(own.agent());
         let limbs = own.creature().limbs().len();
         let all = (0..limbs).flat_map(|a| (a + 1..limbs).map(move |b| [a, b]));
         let pairs = all.filter(|&[a, b]| !own.creature().neighbouring(a, b)).map(|limbs| {
-            let [a, b] = limbs.map(|limb| pieces[limb].len());
+            let [a, b] = limbs.map(|limb| pieces.of[limb].len());
             let pieces = (0..a).flat_map(|i| (0..b).map(move |j| [i, j])).collect();
             GuardedPair { limbs, pieces, eased: f64::INFINITY }
         });
@@ -89,9 +128,9 @@ impl CollisionChecker {
         for posture in own.experienced.iter().chain([&at_ease]) {
             let frames = own.frames(posture);
             for GuardedPair { limbs: [a, b], pieces: felt, .. } in &mut pairs {
-                if ball_gap(&bounds, &frames, [*a, *b]) < -PASSING {
+                if pieces.ball_gap(&frames, [*a, *b]) < -PASSING {
                     felt.retain(|&[i, j]| {
-                        let (first, second) = (&pieces[*a][i], &pieces[*b][j]);
+                        let (first, second) = (&pieces.of[*a][i], &pieces.of[*b][j]);
                         let (first, second) = (first.placed(&frames[*a]), second.placed(&frames[*b]));
                         gap(&first, &second, Precision::LowerBound).distance >= -PASSING
                     });
@@ -101,7 +140,7 @@ impl CollisionChecker {
         pairs.retain(|pair| !pair.pieces.is_empty());
         // The root stays where it is, whatever is there.
         let exposed = (0..limbs).map(|limb| limb > 0).collect();
-        CollisionChecker { bounds, pairs, pieces, exposed, eased: Vec::new(), obstacles: Vec::new() }
+        CollisionChecker { pairs, pieces, exposed, eased: Vec::new(), obstacles: Vec::new() }
     }
 
     /// The same for motions of some joints alone: what they cannot change is left out.
@@ -137,15 +176,14 @@ impl CollisionChecker {
     /// does; that they touch the body is left out.
     pub fn carrying(&self, limb: usize, balls: &[Ball]) -> CollisionChecker {
         let mut carrying = self.clone();
-        carrying.pieces[limb].extend(balls.iter().map(|ball| {
-            let surface = Surface {
+        carrying.pieces.of[limb].extend(balls.iter().map(|ball| {
+            LimbPiece::new(Surface {
                 limb,
                 origin: ball.centre,
                 rotation: Matrix3::identity(),
                 shape: Shape::Sphere { radius: ball.radius },
                 geom: 0,
-            };
-            LimbPiece { surface, ball: *ball }
+            })
         }));
         carrying
     }
@@ -154,15 +192,13 @@ impl CollisionChecker {
     pub(super) fn with_surface(&self, creature: &Creature, surface: Surface) -> CollisionChecker {
         let mut more = self.clone();
         let limb = surface.limb;
-        let ball = Ball { centre: surface.origin, radius: surface.shape.bounding_radius() };
-        let piece = more.pieces[limb].len();
-        more.pieces[limb].push(LimbPiece { surface, ball });
-        let balls: Vec<Ball> = more.pieces[limb].iter().map(|piece| piece.ball).collect();
-        more.bounds[limb] = Ball::about(&balls);
-        for other in (0..more.pieces.len()).filter(|&other| !creature.neighbouring(limb, other)) {
+        let piece = more.pieces.of[limb].len();
+        more.pieces.of[limb].push(LimbPiece::new(surface));
+        more.pieces.bounds[limb] = bound(&more.pieces.of[limb]);
+        for other in (0..more.pieces.of.len()).filter(|&other| !creature.neighbouring(limb, other)) {
             let limbs = [limb.min(other), limb.max(other)];
             let meets =
-                (0..more.pieces[other].len()).map(|k| if limb < other { [piece, k] } else { [k, piece] });
+                (0..more.pieces.of[other].len()).map(|k| if limb < other { [piece, k] } else { [k, piece] });
             match more.pairs.iter_mut().find(|pair| pair.limbs == limbs) {
                 Some(pair) => pair.pieces.extend(meets),
                 None => {
@@ -188,7 +224,7 @@ impl CollisionChecker {
     /// not be farther apart elsewhere.
     pub fn eased_at(&self, poses: &[Vec<Frame>], margin: f64) -> CollisionChecker {
         let mut eased = self.clone();
-        let limbs = self.pieces.len();
+        let limbs = self.pieces.of.len();
         eased.eased = vec![vec![f64::INFINITY; limbs]; self.obstacles.len()];
         for frames in poses {
             for (pair, before) in eased.pairs.iter_mut().zip(&self.pairs) {
@@ -218,11 +254,10 @@ impl CollisionChecker {
         below: f64,
     ) -> impl Iterator<Item = [PlacedShape<'a>; 2]> {
         let [a, b] = pair.limbs;
-        let apart = ball_gap(&self.bounds, frames, pair.limbs) > below;
+        let apart = self.pieces.ball_gap(frames, pair.limbs) > below;
         pair.pieces.iter().filter(move |_| !apart).filter_map(move |&[i, j]| {
-            let (p, q) = (&self.pieces[a][i], &self.pieces[b][j]);
-            let [centre, other] = [frames[a].point(&p.ball.centre), frames[b].point(&q.ball.centre)];
-            let near = p.ball.gap_at(&centre, &q.ball, &other) <= below;
+            let (p, q) = (&self.pieces.of[a][i], &self.pieces.of[b][j]);
+            let near = p.ball_gap(&frames[a], q, &frames[b]) <= below;
             near.then(|| [p.placed(&frames[a]), q.placed(&frames[b])])
         })
     }
@@ -236,7 +271,7 @@ impl CollisionChecker {
         below: f64,
         bound: impl Fn(&Ball) -> f64 + 'a,
     ) -> impl Iterator<Item = PlacedShape<'a>> {
-        self.pieces[limb].iter().filter_map(move |piece| {
+        self.pieces.of[limb].iter().filter_map(move |piece| {
             let ball = Ball { centre: frames[limb].point(&piece.ball.centre), ..piece.ball };
             (bound(&ball) <= below).then(|| piece.placed(&frames[limb]))
         })
@@ -244,7 +279,7 @@ impl CollisionChecker {
 
     /// The limbs that obstacles matter to.
     fn exposed(&self) -> impl Iterator<Item = usize> {
-        (0..self.pieces.len()).filter(|&limb| self.exposed[limb])
+        (0..self.exposed.len()).filter(|&limb| self.exposed[limb])
     }
 
     /// The greatest margin that is asked of an obstacle and a limb, metres.
@@ -369,18 +404,24 @@ impl CollisionChecker {
 }
 
 impl LimbPiece {
+    fn new(surface: Surface) -> LimbPiece {
+        LimbPiece { ball: Ball { centre: surface.origin, radius: surface.shape.bounding_radius() }, surface }
+    }
+
+    /// The gap between the balls about two pieces whose limbs are at these frames, metres.
+    fn ball_gap(&self, limb: &Frame, other: &LimbPiece, other_limb: &Frame) -> f64 {
+        self.ball.gap_at(&limb.point(&self.ball.centre), &other.ball, &other_limb.point(&other.ball.centre))
+    }
+
     /// Where the limb's frame is at `X_RL`.
     fn placed(&self, limb: &Frame) -> PlacedShape<'_> {
         self.surface.placed(limb).expect("pieces are solid")
     }
 }
 
-/// The gap between the balls about two limbs, metres.
-fn ball_gap(bounds: &[Option<Ball>], frames: &[Frame], [a, b]: [usize; 2]) -> f64 {
-    match (&bounds[a], &bounds[b]) {
-        (Some(p), Some(q)) => p.gap_at(&frames[a].point(&p.centre), q, &frames[b].point(&q.centre)),
-        _ => f64::INFINITY,
-    }
+/// A ball about pieces; none where there is none.
+fn bound(pieces: &[LimbPiece]) -> Option<Ball> {
+    Ball::about(&pieces.iter().map(|piece| piece.ball).collect::<Vec<_>>())
 }
 
 /// The least of some gaps, where it is no more than `below`, metres.

@@ -40,7 +40,7 @@ mod stick;
 mod tests;
 mod velocity;
 
-pub use collision::{CollisionChecker, Nearness};
+pub use collision::{CollisionChecker, LimbPieces, Nearness};
 pub use farthest::farthest_postures;
 pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate, directions};
 pub use felt_surface::{FeltPose, FeltSurface};

@@ -103,8 +103,6 @@ impl ClusterPair {
 /// Two geoms that are about to meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encounter {
-    /// The geoms.
-    pub geoms: [usize; 2],
     /// Whether their gap is exact, or only a lower bound.
     pub exact: bool,
     /// Half the thickness of the thinner one, metres: no motion of this length leads through.
@@ -223,9 +221,8 @@ impl TouchablePairs {
     /// The encounter of two bounds of a pair.
     pub fn encounter_of(&self, pair: usize, ends: [u32; 2]) -> Encounter {
         let exact = ends.iter().all(|&i| self.bounds[i as usize].exact);
-        let geoms = ends.map(|i| self.bounds[i as usize].geom);
         let thickness = ends.map(|i| self.bounds[i as usize].thickness);
-        Encounter { geoms, exact, short: 0.5 * thickness[0].min(thickness[1]), pair, bounds: ends }
+        Encounter { exact, short: 0.5 * thickness[0].min(thickness[1]), pair, bounds: ends }
     }
 }
 
