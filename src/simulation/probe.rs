@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::thing::touching_geom;
 use crate::model_files::{Element, element, exact};
 use crate::mujoco::Model;
 
@@ -92,30 +93,19 @@ pub(super) fn described(name: &str) -> Element {
     ];
     body.children.push(element("inertial", &inertial));
     for (k, axis) in ["1 0 0", "0 1 0", "0 0 1"].into_iter().enumerate() {
-        let joint = [
-            ("name", format!("{name}_{k}")),
-            ("type", "slide".into()),
-            ("pos", "0 0 0".into()),
-            ("axis", axis.into()),
-            ("limited", "false".into()),
-            ("damping", "0".into()),
-            ("stiffness", "0".into()),
-            ("armature", "0".into()),
-            ("frictionloss", "0".into()),
-        ];
-        body.children.push(element("joint", &joint));
+        let slide = [("type", "slide".into()), ("pos", "0 0 0".into()), ("axis", axis.into())];
+        let mut joint = element("joint", &slide);
+        joint.set("name", format!("{name}_{k}"));
+        joint.set("limited", "false");
+        // Whatever the file has joints be by default.
+        ["damping", "stiffness", "armature", "frictionloss"].iter().for_each(|key| joint.set(key, "0"));
+        body.children.push(joint);
     }
-    let geom = [
-        ("name", name.into()),
-        ("type", "sphere".into()),
-        ("size", exact(&[PROBE_RADIUS])),
-        // Where the file has inertia taken from geoms, and where not: the same.
-        ("mass", exact(&[MASS])),
-        ("contype", "1".into()),
-        ("conaffinity", "1".into()),
-        ("condim", "3".into()),
-        ("friction", "0.2 0.001 0.0001".into()),
-    ];
-    body.children.push(element("geom", &geom));
+    let mut geom = touching_geom(name, "3", [0.2, 0.001, 0.0001]);
+    geom.set("type", "sphere");
+    geom.set("size", exact(&[PROBE_RADIUS]));
+    // Where the file has inertia taken from geoms, and where not: the same.
+    geom.set("mass", exact(&[MASS]));
+    body.children.push(geom);
     body
 }

@@ -38,6 +38,15 @@ pub struct Substance {
     pub friction: Option<f64>,
 }
 
+/// A geom that touches all that can be touched, in contacts of so many dimensions.
+pub(super) fn touching_geom(name: &str, dimensions: &str, friction: [f64; 3]) -> Element {
+    let touching = [("contype", "1".into()), ("conaffinity", "1".into()), ("condim", dimensions.into())];
+    let mut geom = element("geom", &touching);
+    geom.set("name", name);
+    geom.set("friction", exact(&friction));
+    geom
+}
+
 /// The body of a thing as MJCF, and the mesh that it is made of where it is one.
 pub(super) fn described(thing: &Thing) -> Vec<Element> {
     let translation = thing.pose.translation.vector;
@@ -56,16 +65,8 @@ pub(super) fn described(thing: &Thing) -> Vec<Element> {
     // What is round would never come to rest again once it was touched. The engine heeds that only in contacts of six dimensions.
     let round = matches!(thing.shape, Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. });
     let rolls = round && friction.is_none();
-    let mut geom = element(
-        "geom",
-        &[
-            ("name", thing.name.clone()),
-            ("contype", "1".into()),
-            ("conaffinity", "1".into()),
-            ("condim", if rolls { "6" } else { "4" }.into()),
-            ("friction", exact(&[coefficient, coefficient / TURNING, coefficient / ROLLING])),
-        ],
-    );
+    let friction_of = [coefficient, coefficient / TURNING, coefficient / ROLLING];
+    let mut geom = touching_geom(&thing.name, if rolls { "6" } else { "4" }, friction_of);
     let mut set = |key: &str, value: String| geom.set(key, value);
     match mass {
         Some(mass) => set("mass", exact(&[mass])),
