@@ -43,21 +43,14 @@ pub(super) struct ConservativeAdvancement {
     near: Vec<u32>,
     /// Up to when they are known.
     window_end: f64,
-    /// How long a window is in the present motion; …
+    /// How long a window is in the present motion, and what each cluster can move by against the root in one, metres: where
+    /// there are too many pairs to look at all.
     window: f64,
-    /// … and how fast any point of a cluster moves against the root, per cluster: where there are too many pairs to look at all.
-    cluster_speeds: Vec<f64>,
-    /// What each cluster can move by in a window, metres.
     growth: Vec<f64>,
     broad_phase: BroadPhase,
-    /// Per pair, the motion for which what follows holds.
-    prepared: Vec<u64>,
-    /// Per pair: greatest relative speed, greatest relative acceleration, and until when it is free.
-    speed: Vec<f64>,
-    acceleration: Vec<f64>,
+    /// How each pair moves, and until when it is free.
+    pairs: Vec<MovingPair>,
     free_until: Vec<f64>,
-    /// Per pair, which of its geom pairs limited the motion when it was last looked at: most likely it still does.
-    limiting: Vec<u32>,
     /// Per pair of geoms, the plane that parted them when they were last looked at, where they are no capsules. Those of a pair
     /// of limbs follow one another.
     planes: Vec<PartingPlane>,
@@ -118,14 +111,10 @@ impl ConservativeAdvancement {
             near: if count > FEW_PAIRS { Vec::new() } else { (0..count as u32).collect() },
             window_end: 0.0,
             window: 0.0,
-            cluster_speeds: Vec::new(),
             growth: Vec::new(),
             broad_phase: BroadPhase::default(),
-            prepared: vec![0; count],
-            speed: vec![0.0; count],
-            acceleration: vec![0.0; count],
+            pairs: vec![MovingPair::default(); count],
             free_until: vec![0.0; count],
-            limiting: vec![0; count],
             planes: vec![PartingPlane::default(); touchable.geoms.len()],
             motions: 0,
             start_contact: None,
@@ -150,15 +139,16 @@ impl ConservativeAdvancement {
         self.near.clear();
         self.window_end = 0.0;
         let speeds = &self.joint_speeds;
-        self.cluster_speeds.clear();
-        self.cluster_speeds.extend((0..self.touchable.clusters.len()).map(|cluster| {
-            let levers = self.touchable.clusters[cluster].levers.iter();
+        self.growth.clear();
+        self.growth.extend(self.touchable.clusters.iter().map(|cluster| {
+            let levers = cluster.levers.iter();
             levers.map(|lever| speeds[lever.joint].0 * lever.reach + speeds[lever.joint].1).sum::<f64>()
         }));
         // In a window the clusters move by about as much as they are large.
         let size: f64 = self.cluster_balls.iter().map(|ball| ball.radius).sum();
-        let speed: f64 = self.cluster_speeds.iter().sum();
+        let speed: f64 = self.growth.iter().sum();
         self.window = (WINDOW * size / speed).max(LEAST_WINDOW);
+        self.growth.iter_mut().for_each(|growth| *growth *= self.window);
     }
 
     /// Bounds of how a pair moves in the present motion, and that nothing is known yet of when it meets.
@@ -175,10 +165,9 @@ impl ConservativeAdvancement {
                 inner += turn;
             }
         }
-        self.speed[k] = speed;
-        self.acceleration[k] = acceleration;
+        let limiting = self.pairs[k].limiting;
+        self.pairs[k] = MovingPair { motion: self.motions, speed, acceleration, limiting };
         self.free_until[k] = if speed > 0.0 { 0.0 } else { f64::INFINITY };
-        self.prepared[k] = self.motions;
     }
 
     /// Begins a window at `t`, where the limbs are placed: finds the pairs that can meet before its end.
@@ -186,15 +175,13 @@ impl ConservativeAdvancement {
         self.window_end = t + self.window;
         let mut near = std::mem::take(&mut self.near);
         near.clear();
-        self.growth.clear();
-        self.growth.extend(self.cluster_speeds.iter().map(|speed| speed * self.window));
         let touchable = &self.touchable;
         self.broad_phase.pairs(&self.cluster_balls, &self.growth, FAR, |clusters| {
             near.extend(touchable.pair_of(clusters).map(|k| k as u32));
         });
         near.sort_unstable();
         for &k in &near {
-            if self.prepared[k as usize] != self.motions {
+            if self.pairs[k as usize].motion != self.motions {
                 self.prepare(k as usize);
             }
         }
@@ -263,7 +250,7 @@ impl ConservativeAdvancement {
 
     /// The greatest speed of the encounter's pair, metres per unit of the motion.
     pub fn speed(&self, encounter: &Encounter) -> f64 {
-        self.speed[encounter.pair]
+        self.pairs[encounter.pair].speed
     }
 
     /// How far a motion may advance from `t` until a point in both bounds of an encounter has moved by
@@ -285,9 +272,9 @@ impl ConservativeAdvancement {
             .fold(0.0, f64::max)
             + turning * radius;
         // Way in a time: fastest h + ½ acceleration h².
-        let acceleration = self.acceleration[encounter.pair];
+        let acceleration = self.pairs[encounter.pair].acceleration;
         let slow = 2.0 * length / (fastest + (fastest * fastest + 2.0 * acceleration * length).sqrt());
-        slow.max(length / self.speed[encounter.pair])
+        slow.max(length / self.pairs[encounter.pair].speed)
     }
 
     /// The gap of an encounter's geoms at `t`, and its rate of change, metres and metres per unit: of capsules, or of other
@@ -319,12 +306,12 @@ impl ConservativeAdvancement {
         let distance = between.norm();
         let apart = distance - balls[0].radius - balls[1].radius;
         if apart > FAR {
-            let plain = apart / self.speed[k];
+            let plain = apart / self.pairs[k].speed;
             if plain >= rest {
                 return (f64::INFINITY, None);
             }
             let opening = between.dot(&self.pair_motion(&pair).relative_velocity(&middles)) / distance;
-            return (plain.max(until_zero(apart, opening, self.acceleration[k])), None);
+            return (plain.max(until_zero(apart, opening, self.pairs[k].acceleration)), None);
         }
         pair.clusters().into_iter().for_each(|cluster| self.place_cluster(cluster));
         match self.start_contact {
@@ -336,11 +323,11 @@ impl ConservativeAdvancement {
     /// [`look`](Self::look) at the geoms of limb pair `k`.
     fn look_at_geoms(&mut self, k: usize, rest: f64) -> (f64, Option<Encounter>) {
         let pair = self.touchable.pairs[k];
-        let acceleration = self.acceleration[k];
+        let acceleration = self.pairs[k].acceleration;
         let motion = self.pair_motion(&pair);
         let spins = motion.sides.map(|side| side.omega.norm());
         // What limited the last look most likely limits this one: all that comes later need not be known exactly.
-        let last = self.limiting[k] as usize;
+        let last = self.pairs[k].limiting as usize;
         let mut planes = std::mem::take(&mut self.planes);
         let plane = |number: usize| pair.geoms().start + number;
         let geoms = &self.touchable.geoms[pair.geoms()];
@@ -370,7 +357,7 @@ impl ConservativeAdvancement {
         let encounter = limiting.map(|number| self.touchable.encounter_of(k, geoms[number]));
         self.planes = planes;
         let Some(number) = limiting else { return (f64::INFINITY, None) };
-        self.limiting[k] = number as u32;
+        self.pairs[k].limiting = number as u32;
         (least, encounter)
     }
 
@@ -386,7 +373,7 @@ impl ConservativeAdvancement {
         let mut planes = std::mem::take(&mut self.planes);
         for (number, &bounds) in self.touchable.geoms[pair.geoms()].iter().enumerate() {
             // Even at full speed it comes later than what is known already?
-            let beyond = least * self.speed[k];
+            let beyond = least * self.pairs[k].speed;
             let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
             if (first.centre - second.centre).norm() - first.radius - second.radius > beyond {
                 continue;
@@ -421,10 +408,11 @@ impl ConservativeAdvancement {
         heeded: f64,
     ) -> f64 {
         let capsules = bounds.map(|bound| &self.world[bound as usize]);
-        let kept_apart = || kept_apart::capsules(capsules, motion, &gap.normal, self.acceleration[k], heeded);
+        let kept_apart =
+            || kept_apart::capsules(capsules, motion, &gap.normal, self.pairs[k].acceleration, heeded);
         let exact = bounds.iter().all(|&bound| self.touchable.bounds[bound as usize].exact);
         if gap.distance > MET {
-            let by_capsules = (gap.distance / self.speed[k]).max(kept_apart());
+            let by_capsules = (gap.distance / self.pairs[k].speed).max(kept_apart());
             if exact || by_capsules >= heeded {
                 return by_capsules;
             }
@@ -437,8 +425,8 @@ impl ConservativeAdvancement {
         let parting = self.start_contact.is_some_and(|contact| contact.pair == k && contact.bounds == bounds);
         // What slides along does not part, however long the way: the same as at the start of a motion.
         let opening = gap.normal.dot(&motion.relative_velocity(&gap.points));
-        if parting && opening > SLIDING * self.speed[k] {
-            return (PARTING_STEP / self.speed[k]).max(kept_apart());
+        if parting && opening > SLIDING * self.pairs[k].speed {
+            return (PARTING_STEP / self.pairs[k].speed).max(kept_apart());
         }
         0.0
     }
@@ -459,7 +447,7 @@ impl ConservativeAdvancement {
         let pair = self.touchable.pairs[k];
         let Some([first, second]) = self.solids(&pair, bounds) else { return 0.0 };
         let kept_apart = |normal: &Vector3<f64>| {
-            kept_apart::bodies([&first, &second], motion, normal, self.acceleration[k], heeded)
+            kept_apart::bodies([&first, &second], motion, normal, self.pairs[k].acceleration, heeded)
         };
         let orientation = &self.limbs[pair.limbs()[1]].frame.rotation;
         let mut guess = about.normal;
@@ -472,12 +460,12 @@ impl ConservativeAdvancement {
                 return kept;
             }
         }
-        let (distance, normal) = separation(&first, &second, &guess, heeded * self.speed[k]);
+        let (distance, normal) = separation(&first, &second, &guess, heeded * self.pairs[k].speed);
         *plane = PartingPlane { normal: orientation.tr_mul(&normal), motion: self.motions };
         if distance <= NEARLY_MET {
             return 0.0;
         }
-        kept_apart(&normal).max(distance / self.speed[k])
+        kept_apart(&normal).max(distance / self.pairs[k].speed)
     }
 
     /// The shapes of two geoms of a limb pair where the limbs are; none where nothing is known of one.
@@ -554,6 +542,18 @@ impl ConservativeAdvancement {
             ball.centre = self.limbs[cluster.limb].frame.point(&cluster.ball.centre);
         }
     }
+}
+
+/// How a pair of clusters moves.
+#[derive(Clone, Copy, Debug, Default)]
+struct MovingPair {
+    /// The number of the motion in which it does.
+    motion: u64,
+    /// The greatest relative speed and acceleration, metres per unit and its square.
+    speed: f64,
+    acceleration: f64,
+    /// Which of its geom pairs limited the motion when it was last looked at: most likely it still does.
+    limiting: u32,
 }
 
 /// A plane that parted two geoms.
