@@ -9,6 +9,7 @@
 //! that the creature has of it.
 
 mod building;
+mod carried;
 mod carrying;
 mod core;
 mod stillness;
