@@ -210,7 +210,7 @@ fn verdict(trials: &[&Value], touching: &[Value]) -> String {
     let (learned, not): (Vec<&Value>, Vec<&Value>) = came.iter().partition(|came| came["converged"] == true);
     if !learned.is_empty() {
         let worst = learned.iter().filter_map(|came| came["determined_mm"]["max"].as_f64());
-        let worst = error_number(worst.fold(f64::NAN, f64::max));
+        let worst = short(worst.fold(f64::NAN, f64::max));
         let named = |came: &&Value| {
             let limbs = came["undetermined_limbs"].as_array().into_iter().flatten();
             limbs.filter(|limb| touching.contains(limb)).count()
@@ -253,6 +253,11 @@ fn spread(numbers: impl Iterator<Item = f64>) -> String {
     if middle == greatest { middle } else { format!("{middle} ({greatest})") }
 }
 
+/// A number of millimetres to two digits, as pages of galleries have it.
+fn short(millimetres: f64) -> String {
+    if millimetres >= 0.1 { format!("{millimetres:.2}") } else { error_number(millimetres) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -262,6 +267,7 @@ mod tests {
         assert_eq!(spread([3.0, 1.0, 2.0].into_iter()), "2 (3)");
         assert_eq!(spread([2.0].into_iter()), "2");
         assert_eq!(spread([].into_iter()), "–");
+        assert_eq!([f64::NAN, 1e-9, 0.0123, 4.567].map(short), ["–", "< 0.001", "0.012", "4.57"]);
     }
 
     #[test]

@@ -56,7 +56,11 @@ pub fn summaries<'a>(rows: impl IntoIterator<Item = (&'a str, &'a str, Summary)>
 pub fn error_rows(evaluation: &Evaluation) -> Vec<(&'static str, &'static str, Summary)> {
     let rows = [
         ("skin in another limb's frame", "mm", Some(evaluation.heldout_mm)),
-        ("the same, of located limbs", "mm", Some(evaluation.determined_mm)),
+        (
+            "the same, of located limbs",
+            "mm",
+            Some(evaluation.determined_mm).filter(|all| all.mean.is_finite()),
+        ),
         ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
         ("angle between axes", "°", Some(evaluation.axis_deg)),
         ("distance between axis lines", "mm", Some(evaluation.axis_line_mm)),
