@@ -29,19 +29,12 @@ pub struct OwnTouch {
 }
 
 impl Actor {
-    /// Puts a hand to a receptor: never the hand of the arm that it is on; where both can, the one on its side.
-    ///
-    /// # Errors
-    /// [`Trouble`] of the last hand that was tried.
-    pub fn touch_own(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
-        self.touch_own_with(receptor, None)
-    }
-
-    /// The same with a hand that is named, where one is.
+    /// Puts a hand to a receptor, the one that is named or either: never the hand of the arm that it is on; where both can, the
+    /// one on its side.
     ///
     /// # Errors
     /// [`Trouble`] of the last hand that was tried; [`OutOfReach::Barred`] where it is the hand of the same arm.
-    pub fn touch_own_with(&mut self, receptor: usize, by: Option<usize>) -> Result<OwnTouch, Trouble> {
+    pub fn touch_own(&mut self, receptor: usize, by: Option<usize>) -> Result<OwnTouch, Trouble> {
         let (point, normal) = self.feels_at(receptor);
         let limb = self.own.skin().receptors[receptor].limb;
         let own_side = usize::from(self.side(0) * point.dot(&self.left()) < 0.0);

@@ -205,13 +205,12 @@ impl Actor {
             .unwrap_or(Err(Trouble::Nothing))
     }
 
-    /// Touches a receptor of his own with the tip of the stick; see [`Actor::touch_own_with`]. [`Trouble::Nothing`] where no
+    /// Touches a receptor of his own with the tip of the stick; see [`Actor::touch_own`]. [`Trouble::Nothing`] where no
     /// stick is known.
     ///
     /// # Errors
     /// [`Trouble`].
     pub fn touch_own_with_stick(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
-        self.with_stick(|actor, hand| actor.touch_own_with(receptor, Some(hand)))
-            .unwrap_or(Err(Trouble::Nothing))
+        self.with_stick(|actor, hand| actor.touch_own(receptor, Some(hand))).unwrap_or(Err(Trouble::Nothing))
     }
 }

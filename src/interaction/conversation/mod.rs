@@ -10,17 +10,15 @@ mod speaking;
 use std::cell::OnceCell;
 use std::sync::LazyLock;
 
-use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 pub use requests::Intent;
 
-use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, UnknownWord, Which};
-use self::mind::{Deed, Forbidden, Mind};
-use self::requests::{Act, Answer, REQUESTS};
+use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, UnknownWord};
+use self::mind::Mind;
+use self::requests::{Act, Answer, Hindrance, REQUESTS};
 use super::actor::Actor;
-use super::tasks::{Grip, Search, tried};
-use super::things::{KnownThing, ThingId, Things};
+use super::tasks::{Grip, Search, Trouble, tried};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::peripersonal::ReachableMap;
@@ -46,14 +44,8 @@ pub struct Reply {
 impl Reply {
     /// The reply as an object: `heard`, `intent`, `said`, `done`, `asks`, `felt`.
     pub fn to_json(&self, heard: &str) -> Value {
-        json!({
-            "heard": heard,
-            "intent": self.intent,
-            "said": self.said,
-            "done": self.done,
-            "asks": self.asks,
-            "felt": self.felt,
-        })
+        let Reply { intent, said, done, asks, felt } = self;
+        json!({"heard": heard, "intent": intent, "said": said, "done": done, "asks": asks, "felt": felt})
     }
 }
 
@@ -86,23 +78,15 @@ pub struct Conversation {
     /// Who talks.
     pub actor: Actor,
     language: Language,
-    /// What it remembers of things, and which of them is meant.
-    pub(in crate::interaction) things: Things,
+    mind: Mind,
     /// Its search of the table, as far as it got; none where what stands on it may have changed since.
     search: Option<Search>,
-    /// Where it felt things, in the root's frame, metres.
-    felt: Vec<Vector3<f64>>,
-    deeds: Vec<Deed>,
-    forbidden: Vec<Forbidden>,
     pending: Option<Pending>,
     last: Option<Request>,
     ready: Posture,
     /// Where a hand of its own, or a stick in it, touches it.
     spot: Option<OwnSpot>,
     holding: Option<Held>,
-    /// Whether it keeps still until it is asked for something.
-    still: bool,
-    over: bool,
     /// What its hands reach, once it was asked.
     reachable: OnceCell<Option<Vec<ReachableMap>>>,
 }
@@ -121,25 +105,20 @@ impl Conversation {
         Ok(Conversation {
             language: language(BodyNames::of(&actor.own)),
             actor,
-            things: Things::default(),
-            felt: Vec::new(),
-            deeds: Vec::new(),
-            forbidden: Vec::new(),
+            mind: Mind::default(),
             search: None,
             pending: None,
             last: None,
             ready,
             spot: None,
             holding: None,
-            still: false,
-            over: false,
             reachable: OnceCell::new(),
         })
     }
 
     /// Whether a partner has ended it.
     pub fn is_over(&self) -> bool {
-        self.over
+        self.mind.over
     }
 
     /// Hears what is said, does what it can if that is wanted, and answers.
@@ -148,36 +127,35 @@ impl Conversation {
     /// Where the engine fails; all else is said in the reply.
     pub fn hear(&mut self, said: &str) -> Result<Reply, Error> {
         let mut understood = self.language.understand(said);
+        let which = self.mind.find(&self.actor, understood.which).map(|known| known.id);
         match self.pending.take() {
             Some(Pending::Whether(request)) => {
                 if let Some(leave) = Leave::by_yes(&understood) {
-                    self.forbidden.retain(|told| !told.bars_request(&request));
+                    self.mind.allow(&request);
                     return self.moves(&request, leave);
                 }
             }
-            Some(Pending::Which(request, leave)) => {
-                let which = understood.which.and_then(|which| self.which(which));
+            Some(Pending::Which(request, leave)) if !understood.forbids => {
                 let only_which = matches!(understood.intent, Intent::Which | Intent::Unknown | Intent::Yes);
                 let answers = only_which || matches!(understood.intent, Intent::Touch | Intent::Lift);
-                if let Some(id) = which.filter(|_| answers && !understood.forbids) {
-                    self.things.mean(Some(id));
+                if which.is_some() && answers {
+                    self.mind.things.mean(which);
                     return self.moves(&request, leave);
                 }
-                if only_which && !understood.forbids {
+                if only_which {
+                    let said = format!("I did not understand which one. {}", self.question());
                     let intent = request.intent;
                     self.pending = Some(Pending::Which(request, leave));
-                    let said = format!("I did not understand which one. {}", self.question());
                     return Ok(self.reply(intent, Answer::asks(said)));
                 }
             }
-            None => {}
+            _ => {}
         }
-        let request = understood.request.clone();
-        if let Some(id) = request.which.and_then(|which| self.which(which)) {
-            self.things.mean(Some(id));
+        if which.is_some() {
+            self.mind.things.mean(which);
         }
         let leave = understood.leave.take();
-        self.act(request, leave, &understood.unknown)
+        self.act(understood.request, leave, &understood.unknown)
     }
 
     /// Is touched by its partner where a receptor is: says what it feels, and puts a hand there, unless it was told to
@@ -191,149 +169,120 @@ impl Conversation {
         let id = &self.actor.own.skin().receptors[receptor].id;
         let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
         let answer = match self.doubt() {
-            _ if self.still => Answer::tells(format!("{feels}, and keep still")),
+            _ if self.mind.still => Answer::tells(format!("{feels}, and keep still")),
             Some(doubt) => Answer::failed(format!("{feels}. {doubt}")),
-            None => self.puts_hand(receptor, &feels)?,
+            None => {
+                self.leave_spot();
+                self.let_be();
+                let touched = self.actor.touch_own(receptor, None);
+                self.spot = Some(OwnSpot { receptor, by_stick: false });
+                let told = touched.map(|touch| {
+                    let hand = self.hand_name(touch.hand);
+                    let off = speaking::cm(touch.off.max(0.01));
+                    let there = if touch.off < 0.005 { "there" } else { &format!("{off} from there") };
+                    Answer::done(format!("{feels}, and put my {hand} {there}"))
+                });
+                let hindered =
+                    |trouble| self.hindered(&format!("{feels}, but cannot put a hand there"), trouble);
+                told.map_err(hindered).or_else(Hindrance::answer)?
+            }
         };
         let mut reply = self.reply(Intent::FeelTouch, answer);
         self.heed_unexpected(&mut reply);
         Ok(reply)
     }
 
-    /// Puts a hand to where it feels a touch.
-    fn puts_hand(&mut self, receptor: usize, feels: &str) -> Result<Answer> {
-        self.leave_spot();
-        self.let_be();
-        let touched = self.actor.touch_own(receptor);
-        self.spot = Some(OwnSpot { receptor, by_stick: false });
-        Ok(match touched {
-            Ok(touch) => {
-                let there = match touch.off {
-                    off if off < 0.005 => "there".to_string(),
-                    off => format!("{:.0} cm from there", (100.0 * off).max(1.0)),
-                };
-                Answer::done(format!("{feels}, and put my {} {there}", self.hand_name(touch.hand)))
-            }
-            Err(trouble) => {
-                let trouble = self.in_words(&trouble.of_task()?);
-                Answer::failed(format!("{feels}, but cannot put a hand there: {trouble}"))
-            }
-        })
-    }
-
-    /// Takes a hand back from where it touches its own skin.
-    fn leave_spot(&mut self) {
-        if self.spot.take().is_some() {
-            // Where it cannot, the next motion says so.
-            self.settle_at_ready();
-        }
-    }
-
     /// Answers a request, or does what it asks for where there is leave.
-    fn act(
-        &mut self,
-        request: Request,
-        leave: Option<Leave>,
-        unknown: &[UnknownWord],
-    ) -> Result<Reply, Error> {
+    fn act(&mut self, request: Request, leave: Option<Leave>, unknown: &[UnknownWord]) -> Result<Reply> {
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(unknown)) };
-        let answer = match (&kind.act, leave) {
-            (Act::Tells(_) | Act::Minds(_), _) if kind.needs_body && self.doubt().is_some() => {
-                Answer::failed(self.doubt().unwrap_or_default())
-            }
-            (Act::Tells(tell), _) => self.relation(&request).unwrap_or_else(|| tell(self, &request)),
-            (Act::Minds(mind), _) => mind(&mut self.mind(), &request),
-            (Act::Moves(_) | Act::Handles(_), None) => {
-                let doing = doing(&request);
-                let asks = match unknown {
-                    [] => format!("Do you want me to {doing}?"),
-                    [word, ..] => format!("{}. Do you want me to {doing}?", word.in_words()),
+        let doing = || requests::doing(intent, request.part.as_ref())[0].clone();
+        let asks = match (&kind.act, leave) {
+            (Act::Tells(tell), _) => {
+                let doubt = if kind.needs_body { self.doubt() } else { None };
+                let answer = match (doubt, self.relation(&request)) {
+                    (Some(doubt), _) => Answer::failed(doubt),
+                    (None, Some(answer)) => answer,
+                    (None, None) => tell(self, &request),
                 };
-                self.asks_whether(request, asks)
+                return Ok(self.reply(intent, answer));
             }
-            (Act::Moves(_) | Act::Handles(_), Some(leave)) => {
-                if !self.forbidden.iter().any(|told| told.bars_request(&request)) {
-                    return self.moves(&request, leave);
-                }
-                let doing = doing(&request);
-                self.asks_whether(
-                    request,
-                    format!("You told me not to {doing}: do you want me to do it now?"),
-                )
+            (Act::Minds(mind), _) => {
+                let answer = mind(&mut self.mind, &self.actor, &request);
+                return Ok(self.reply(intent, answer));
             }
+            (_, Some(leave)) if !self.mind.forbids(&request) => return self.moves(&request, leave),
+            (_, Some(_)) => format!("You told me not to {}: do you want me to do it now?", doing()),
+            (_, None) => match unknown {
+                [] => format!("Do you want me to {}?", doing()),
+                [word, ..] => format!("{}. Do you want me to {}?", word.in_words(), doing()),
+            },
         };
-        Ok(self.reply(intent, answer))
-    }
-
-    /// Asks whether it is to do something.
-    fn asks_whether(&mut self, request: Request, said: String) -> Answer {
         self.pending = Some(Pending::Whether(request));
-        Answer::asks(said)
+        Ok(self.reply(intent, Answer::asks(asks)))
     }
 
     /// Does what is asked for, for which there is leave.
     fn moves(&mut self, request: &Request, leave: Leave) -> Result<Reply, Error> {
+        use Intent::{LeanBack, LeanForward, LetGo, Repeat, Rest};
         let intent = request.intent;
         let Some(kind) = intent.kind() else { return Ok(self.not_understood(&[])) };
         let doubt = if kind.needs_body { self.doubt() } else { None };
         if let Some(said) = doubt.or_else(|| self.barred_by_stick(request)) {
             return Ok(self.reply(intent, Answer::failed(said)));
         }
-        if !matches!(
-            intent,
-            Intent::Repeat | Intent::LeanForward | Intent::LeanBack | Intent::Rest | Intent::LetGo
-        ) {
+        if !matches!(intent, Repeat | LeanForward | LeanBack | Rest | LetGo) {
             self.last = Some(request.clone());
         }
         // What is near is felt for first; what is felt then is touched.
-        let mut feels_first = false;
-        if matches!(kind.act, Act::Handles(_)) {
-            match self.things.it().map(|known| known.id) {
-                None if self.things.is_empty() && intent == Intent::Touch && request.any => {
-                    feels_first = true;
-                }
-                None if self.things.is_empty() => {
-                    let said = "I have not felt anything yet: ask me to feel about first";
-                    return Ok(self.reply(intent, Answer::failed(said)));
-                }
-                None => {
-                    let said = self.question();
-                    self.pending = Some(Pending::Which(request.clone(), leave));
-                    return Ok(self.reply(intent, Answer::asks(said)));
-                }
-                it => self.things.mean(it),
+        let handles = matches!(kind.act, Act::Handles(_));
+        let feels_first = handles && self.mind.things.is_empty() && intent == Intent::Touch && request.any;
+        match self.mind.things.it().map(|known| known.id) {
+            None if handles && !feels_first && self.mind.things.is_empty() => {
+                let said = "I have not felt anything yet: ask me to feel about first";
+                return Ok(self.reply(intent, Answer::failed(said)));
             }
+            None if handles && !feels_first => {
+                self.pending = Some(Pending::Which(request.clone(), leave));
+                return Ok(self.reply(intent, Answer::asks(self.question())));
+            }
+            it if handles => self.mind.things.mean(it),
+            _ => {}
         }
-        self.still = false;
+        self.mind.still = false;
         self.leave_spot();
         self.put_by(intent)?;
-        let acted = match (&kind.act, self.things.it().cloned()) {
-            _ if feels_first => self.explore(self.hand_for(request.hand), false).map(|answer| {
-                let done = Some(!self.things.is_empty());
+        let acted = match (&kind.act, self.mind.things.it().cloned()) {
+            (Act::Moves(act), _) => act(self, request, &leave),
+            (Act::Handles(act), Some(thing)) => act(self, &thing, request),
+            _ => self.explore(self.hand_for(request.hand), false).map(|answer| {
+                let done = Some(!self.mind.things.is_empty());
                 Answer { done, ..answer }
             }),
-            (Act::Moves(act), _) => act(self, request, &leave),
-            (Act::Handles(act), Some(thing)) => act(self, &thing, request, &leave),
-            _ => return Ok(self.not_understood(&[])),
         };
         let answer = match acted {
-            Ok(answer) => answer,
-            Err(trouble) => {
-                let trouble = self.in_words(&trouble.of_task()?);
-                Answer::failed(format!("I cannot {}: {trouble}", doing(request)))
+            Err(Hindrance::Met(trouble)) => {
+                let [doing, _] = requests::doing(intent, request.part.as_ref());
+                self.hindered(&format!("I cannot {doing}"), trouble).answer()?
             }
+            acted => acted.or_else(Hindrance::answer)?,
         };
         let mut reply = self.reply(intent, answer);
         self.heed_unexpected(&mut reply);
-        for known in self.things.iter().filter(|known| known.in_touch.is_some()) {
-            mind::felt_at(&mut self.felt, known.found.point);
-        }
-        let retried = intent == Intent::LeanForward && (request.again || request.about.is_some());
-        if intent != Intent::Repeat && !retried {
+        self.mind.remember_places();
+        let retried = intent == LeanForward && (request.again || request.about.is_some());
+        if intent != Repeat && !retried {
             self.did(request, &reply);
         }
         Ok(reply)
+    }
+
+    /// That something went wrong, and what it says of it; a failure of the engine is passed on.
+    fn hindered(&self, what: &str, trouble: Trouble) -> Hindrance {
+        match trouble {
+            Trouble::Engine(_) => Hindrance::Met(trouble),
+            trouble => Answer::failed(format!("{what}: {}", self.in_words(&trouble))).into(),
+        }
     }
 
     /// Puts down what it holds, unless what it is to do is done with it.
@@ -354,38 +303,17 @@ impl Conversation {
         Ok(())
     }
 
-    /// All that may change without moving.
-    fn mind(&mut self) -> Mind<'_> {
-        Mind {
-            actor: &self.actor,
-            things: &mut self.things,
-            forbidden: &mut self.forbidden,
-            felt: &mut self.felt,
-            still: &mut self.still,
-            over: &mut self.over,
-        }
-    }
-
-    /// Which thing words mean.
-    fn which(&self, which: Which) -> Option<ThingId> {
-        mind::find(&self.actor, &self.things, which).map(|known| known.id)
-    }
-
-    /// Where a thing was felt.
-    fn felt_places(&self, known: &KnownThing) -> Vec<Vector3<f64>> {
-        mind::places_of(&self.felt, &known.at)
-    }
-
     /// The hand that touches something now, or did last.
     fn hand_touching(&self) -> Option<usize> {
-        let it = self.things.it().or(self.things.iter().next())?;
-        let touching = self.things.iter().find_map(|known| known.in_touch);
+        let things = &self.mind.things;
+        let it = things.it().or(things.iter().next())?;
+        let touching = things.iter().find_map(|known| known.in_touch);
         self.actor.arm_of(touching.unwrap_or(it.found.receptor))
     }
 
     /// The hand that words mean.
     fn hand_for(&self, name: Option<HandName>) -> Option<usize> {
-        let left = (0..2).find(|&hand| self.actor.side(hand) > 0.0).unwrap_or(0);
+        let left = usize::from(self.actor.side(0) < 0.0);
         match name? {
             HandName::Left => Some(left),
             HandName::Right => Some(1 - left),
@@ -417,34 +345,37 @@ impl Conversation {
             }
             Held::Palms(mut grip) => {
                 let down = tried(self.actor.set_down(&mut grip))?.is_some();
-                if let Some(known) = self.things.iter_mut().find(|known| known.found.thing == grip.thing) {
+                let mut things = self.mind.things.iter_mut();
+                if let Some(known) = things.find(|known| known.found.thing == grip.thing) {
                     let (moved, up) = (grip.middle() - known.at, self.actor.up);
                     known.carried(&(moved - up * moved.dot(&up)));
                 }
-                self.settle_at_ready();
+                self.settle();
                 Ok(("hands".into(), down))
             }
         }
     }
 
-    /// Both hands to where they wait; whether they got there.
-    fn settle_at_ready(&mut self) -> bool {
+    /// Takes both hands to where they wait, past what is met on the way; whether they got there.
+    fn settle(&mut self) -> bool {
         let ready = self.ready.clone();
-        self.settle(&ready)
+        self.actor.go_round(&ready).is_ok()
     }
 
-    /// Both hands to a posture, past what is met on the way; whether they got there.
-    fn settle(&mut self, posture: &[f64]) -> bool {
-        self.actor.go_round(posture).is_ok()
+    /// Takes a hand back from where it touches its own skin.
+    fn leave_spot(&mut self) {
+        if self.spot.take().is_some() {
+            // Where it cannot, the next motion says so.
+            self.settle();
+        }
     }
 
     /// Takes the arm that touches something back from it.
     fn let_be(&mut self) {
-        let ready = self.ready.clone();
-        for known in self.things.iter_mut().filter(|known| known.in_touch.is_some()) {
+        for known in self.mind.things.iter_mut().filter(|known| known.in_touch.is_some()) {
             known.in_touch = None;
             // Where it cannot, the next motion says so.
-            let _ = self.actor.withdraw(&known.found, &ready);
+            let _ = self.actor.withdraw(&known.found, &self.ready);
         }
     }
 }
@@ -456,13 +387,5 @@ pub fn understood(request: &str) -> Understood {
 }
 
 fn language(names: BodyNames) -> Language {
-    Language::new(REQUESTS.iter().map(|(intent, kind)| (*intent, kind.words)).collect(), names)
-}
-
-/// What a request asks for, as it says it.
-fn doing(request: &Request) -> String {
-    match (&request.part, request.intent) {
-        (Some(part), Intent::TouchOwn) => format!("touch my {}", part.text()),
-        (_, intent) => intent.kind().map_or("do that", |kind| kind.doing[0]).to_string(),
-    }
+    Language::new(REQUESTS.iter().map(|(intent, kind)| (*intent, kind.words)), names)
 }

@@ -159,9 +159,7 @@ impl Actor {
     pub fn put(&mut self, receptor: usize, spot: &Spot, lean: bool) -> Result<Vector3<f64>, Trouble> {
         let Some(hand) = self.arm_of(receptor) else { return Err(Trouble::Nothing) };
         let joints = self.hands[hand].joints(lean).to_vec();
-        let limb = self.own.place(receptor).limb;
-        let upright = self.frames()[limb].rotation.tr_mul(&self.up);
-        let place = Place { direction: upright, ..self.own.place(receptor) };
+        let place = self.upright(receptor);
         // What is met on the way is kept off until it stands.
         self.with_obstacles([], |actor| actor.carry_to(receptor, place, spot, &joints))?;
         self.let_go();

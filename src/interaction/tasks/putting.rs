@@ -94,6 +94,12 @@ impl Actor {
         None
     }
 
+    /// The place of a receptor, with the direction of its limb that is up now.
+    pub fn upright(&self, receptor: usize) -> Place {
+        let place = self.own.place(receptor);
+        Place { direction: self.frames()[place.limb].rotation.tr_mul(&self.up), ..place }
+    }
+
     /// The postures in which a place of a hand's limb is farthest in front, at a height and its direction up, the farthest
     /// first; whether there is a way to them is not looked at.
     pub fn farthest_postures(
@@ -171,10 +177,8 @@ impl Actor {
         let Some(hand) = self.arm_of(receptor) else { return Ok(()) };
         let idle = self.hands[1 - hand].arm.clone();
         let from = self.posture();
-        let limb = self.own.place(receptor).limb;
-        let upright = self.frames()[limb].rotation.tr_mul(&self.up);
         let height = self.feels_at(receptor).0.dot(&self.up);
-        let place = Place { direction: upright, ..self.own.place(receptor) };
+        let place = self.upright(receptor);
         let all = self.clearance.clone();
         self.clearance = all.without(&self.own.moved_by(&idle));
         let farthest = self.farthest_postures(hand, place, height, true, effort);
@@ -217,12 +221,10 @@ impl Actor {
         &mut self,
         receptor: usize,
         places: impl IntoIterator<Item = Vector3<f64>>,
-        upright: Vector3<f64>,
     ) -> Option<Spot> {
         let hand = self.arm_of(receptor)?;
         let joints = self.hands[hand].arm.clone();
-        let place = Place { direction: upright, ..self.own.place(receptor) };
-        let from = self.posture();
+        let (place, from) = (self.upright(receptor), self.posture());
         let clearance = self.clearance.moved_by(&self.own, &joints);
         places.into_iter().find_map(|point| {
             let target = Place { limb: 0, point, direction: self.up };

@@ -30,28 +30,8 @@ use self::pieces::{Piece, Sense};
 use self::words::Mark;
 use super::requests::Intent;
 
-/// The words that mean a request, as patterns parted by `;` ([`patterns`](self::patterns)).
-#[derive(Clone, Copy)]
-pub struct Words {
-    /// By which it is told or asked to do it.
-    pub told: &'static str,
-    /// By which an answer is asked for.
-    pub asked: &'static str,
-    /// By which it is asked of what was.
-    pub past: &'static str,
-    /// By which it is meant where something is denied: "don't move".
-    pub denied: &'static str,
-    /// By which it is said alone, in whatever sentence.
-    pub said: &'static str,
-}
-
-impl Words {
-    /// None.
-    pub const NONE: Words = Words { told: "", asked: "", past: "", denied: "", said: "" };
-}
-
-/// The requests and their words.
-pub type Grammar = Vec<(Intent, Words)>;
+/// A request, how it is said, and a pattern of words that mean it then ([`patterns`](self::patterns)).
+type Rule = (Intent, &'static str, &'static str);
 
 /// What is wanted, with what it names.
 #[derive(Clone, Debug, Default)]
@@ -136,20 +116,24 @@ impl Deref for Understood {
 pub struct Language {
     lexicon: Lexicon,
     names: BodyNames,
-    grammar: Grammar,
+    grammar: Vec<Rule>,
 }
 
 impl Language {
-    /// Some requests' words, and what a creature's parts are called.
-    pub fn new(grammar: Grammar, names: BodyNames) -> Language {
-        let lists = |words: &Words| [words.told, words.asked, words.past, words.denied, words.said];
-        let patterns = grammar.iter().flat_map(|(_, words)| lists(words)).flat_map(patterns::listed);
-        let words = patterns
-            .chain(frames::patterns())
-            .chain(clauses::patterns())
-            .flat_map(patterns::words)
-            .chain(pieces::words())
-            .map(String::from);
+    /// Requests and the words that mean them, and what a creature's parts are called.
+    pub fn new(requests: impl Iterator<Item = (Intent, &'static str)>, names: BodyNames) -> Language {
+        let mut grammar: Vec<Rule> = Vec::new();
+        for (intent, words) in requests {
+            let mut how = "";
+            for pattern in patterns::listed(words) {
+                let (heading, pattern) = pattern.split_once(": ").unwrap_or((how, pattern));
+                how = heading;
+                grammar.push((intent, how, pattern));
+            }
+        }
+        let patterns = grammar.iter().map(|(.., pattern)| *pattern).chain(frames::patterns());
+        let words = patterns.chain(patterns::listed(clauses::DENYING)).flat_map(patterns::words);
+        let words = words.chain(pieces::words()).map(String::from);
         let lexicon = Lexicon::new(words.chain(names.words().map(String::from)));
         Language { lexicon, names, grammar }
     }

@@ -26,13 +26,13 @@ pub(super) fn taken(pieces: &[Piece], pattern: &str) -> Option<Vec<usize>> {
 }
 
 /// The patterns of a list, parted by `;`.
-pub(super) fn listed(patterns: &'static str) -> impl Iterator<Item = &'static str> {
+pub(super) fn listed(patterns: &str) -> impl Iterator<Item = &str> {
     patterns.split(';').map(str::trim).filter(|pattern| !pattern.is_empty())
 }
 
-/// Whether pieces have a pattern in them.
-pub(super) fn has(pieces: &[Piece], pattern: &str) -> bool {
-    taken(pieces, pattern).is_some()
+/// Whether pieces have one of some patterns in them, parted by `;`.
+pub(super) fn has(pieces: &[Piece], patterns: &str) -> bool {
+    listed(patterns).any(|pattern| taken(pieces, pattern).is_some())
 }
 
 /// How many pieces a pattern takes that they begin with; `None` if they do not.

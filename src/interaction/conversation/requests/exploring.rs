@@ -1,4 +1,4 @@
-//! "Is there something in front of you?": it feels about on the table.
+//! "Is there something in front of you?": it feels about on the table. "How many things are there?"
 
 use super::super::Conversation;
 use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
@@ -18,55 +18,58 @@ pub(super) const EXPLORE: RequestKind = RequestKind::new(
         let hand = creature.hand_for(request.hand);
         if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
     }),
+    "said: there ought|must|should|may|might|could ?to be SOME|THING|MORE ; told: \
+     SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of \
+     ?over|across|ON|around|at ?your|this|what ?ALL TABLE|SPACE|top|front ; \
+     SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round ; \
+     SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE ; \
+     SEARCH|LOOK|FEEL ?AROUND ?with ?HAND SOME ; see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for \
+     ?THING|SOME|there|you|i ?be ?SOME ; see|EXAMINE|FIND if|whether|what .. there|SOME ; REACH ?out ?HAND \
+     ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH out|FORWARD ?HAND $ ; REACH HAND out|FORWARD $ ; \
+     RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?top ?of \
+     TABLE|SPACE ; TOUCH|GRAB|get SOME ; ^ SEARCH ; GO|RUN|FEEL ?HAND AROUND|over TABLE ; LOOK|SEARCH \
+     ?AROUND AGAIN|MORE|further ; FIND|work out what be ?there|here|on|in|around|before ; what else ; \
+     FIND|SEARCH ?me THING|SOME|MORE ; give TABLE|SPACE|the .. SEARCH|FEEL ; run|bump|come|stumble ?UP \
+     into|across|ON SOME ; have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for ; keep|go ?on \
+     =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; SEARCH|LOOK|FEEL in \
+     front|before|around|AROUND ; SEARCH|LOOK|FEEL & THING|SOME ; make|do|perform|have|take ?ANY \
+     SEARCH|sweep|scan|exploration|survey ?of ; give TABLE|SPACE ; be|see|FIND what .. TABLE ; GO \
+     =fishing|=looking|=searching|=exploring ; have a poke|nose|look|feel AROUND|about ; GO =hunting ; GO \
+     through SOME ; asked: be TABLE empty|bare|clear ; be there one|any ; what you HELPING FIND|see ; what \
+     stand|lie|be|=standing|=lying ON|in TABLE|front ; be there|THING ?in|on|also|still|not|by|you SOME ; \
+     be there ?any ?MORE|else|other SOME|THING|more|MORE ; be SOME \
+     there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; ^ any|more \
+     SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; HELPING there be SOME ; what be \
+     ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?front ?TABLE ; HELPING you \
+     FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|near ; do|be SOME \
+     ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME MORE ; ?if|whether \
+     there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; SOME within|in ?easy ?your RANGE ; \
+     what ?THING|SOME ?HELPING be ?out there|here|ON ; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; \
+     be THING|SOME there ; find SOME ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across \
+     SOME ; be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; FEEL SOME out there ; what \
+     have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; be their \
+     SOME ; get SOME ?in front|before|there|ON ; what lie|stand|be before|in you|front",
 )
-.told(
-    "SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of \
-         ?over|across|ON|around|at ?your|this|what ?ALL TABLE|SPACE|top|front ; \
-         SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round ; \
-         SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE ; \
-         SEARCH|LOOK|FEEL ?AROUND ?with ?HAND SOME ; \
-         see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME ; \
-         see|check what ?you FIND ; see|EXAMINE|FIND if|whether|what .. there|SOME ; \
-         REACH ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH out|FORWARD ?HAND $ ; \
-         REACH HAND out|FORWARD $ ; \
-         RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?top ?of \
-         TABLE|SPACE ; TOUCH|GRAB|get SOME ; ^ SEARCH ; ^ SEARCH $ ; SEARCH THING|SOME ; \
-         GO|RUN|FEEL ?HAND AROUND|over TABLE ; LOOK|SEARCH ?AROUND AGAIN|MORE|further ; \
-         FIND|work out what be ?there|here|on|in|around|before ; what else ; \
-         FIND|SEARCH ?me THING|SOME|MORE ; give TABLE|SPACE|the .. SEARCH|FEEL ; \
-         run|bump|come|stumble ?UP into|across|ON SOME ; \
-         have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for ; \
-         keep|go ?on =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; \
-         FEEL|SEARCH with HAND ; what be on|in TABLE|SPACE|front ; \
-         SEARCH|LOOK|FEEL in front|before|around|AROUND ; REACH for SOME ; FIND another|more ; LOOK for ; \
-         locate THING|SOME ; SEARCH|LOOK|FEEL & THING|SOME ; FEEL for SOME|THING|more ; \
-         make|do|perform|have|take ?ANY SEARCH|sweep|scan|exploration|survey ?of ; give TABLE|SPACE ; \
-         see|FIND what you come|run|bump across|into|ON ; be|see|FIND what .. TABLE ; what .. in front ; \
-         GO =fishing|=looking|=searching|=exploring ; have a poke|nose|look|feel AROUND|about ; \
-         GO =hunting ; suss|scope ?out TABLE|SPACE ; GO through SOME ; EXAMINE ?out TABLE|SPACE",
-)
-.asked(
-    "be TABLE empty|bare|clear ; be there one|any ; what you HELPING FIND|see ; \
-         what stand|lie|be|=standing|=lying ON|in TABLE|front ; \
-         be there|THING ?in|on|also|still|not|by|you SOME ; \
-         be there ?any ?MORE|else|other SOME|THING|more|MORE ; \
-         be SOME there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; \
-         ^ SOME $ ; ^ any|more SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; \
-         HELPING there be SOME ; \
-         what be ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?front ?TABLE ; \
-         HELPING you FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|near ; \
-         do|be SOME ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME else ; \
-         SOME MORE ; ?if|whether there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; \
-         be there THING|SOME ; SOME there ; SOME within|in ?easy ?your RANGE ; \
-         what ?THING|SOME ?HELPING be ?out there|here|ON ; \
-         what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; be THING|SOME there ; find SOME ; \
-         sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; \
-         be|do you ?see|have|notice SOME ?in front|before|ON|around|there ; FEEL SOME out there ; \
-         what have|do we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; \
-         be their SOME ; get SOME ?in front|before|there|ON ; what lie|stand|be before|in you|front",
-)
-.said("there ought|must|should|may|might|could ?to be SOME|THING|MORE")
 .needs_body();
+
+pub(super) const HOW_MANY: RequestKind = RequestKind::new(
+    ["count the things", "counted the things"],
+    Act::Tells(|creature, _| {
+        let not_searched = match &creature.search {
+            Some(search) if search.done => creature.unsearched(),
+            _ => "; I have not searched all of the table".to_string(),
+        };
+        Answer::tells(format!("I have felt {}{not_searched}", creature.things_in_words()))
+    }),
+    "asked: how many & !UNIT|cms ; COUNT ?up ?ALL ?of THING|SOME|what|them|everything ; number|total|tally \
+     of THING|SOME ; what .. number|count|total|tally ; just|only one|THING|SOME ; MORE than \
+     one|two|three|THING|SOME ; one|just|only ?THING|SOME or|and MORE|two|several|NUMBER ; be there \
+     ?only|just two|three|four|five|several ; how numerous ; how SIZED be number ; give .. \
+     count|tally|total|number ; ^ count|tally ; NUMBER or NUMBER|MORE ; SOME|THING or NUMBER|MORE ; keep \
+     count|tally ; number|total $ ; how much SOME ; NUMBER or SOME|THING ; TELL ?me count|number|total ; \
+     more than NUMBER|one|two ; any more than NUMBER ; past: how many ; number of THING|SOME ; NUMBER or ; \
+     MORE than one|two",
+);
 
 impl Conversation {
     /// Feels about until something is felt that it does not know yet, and keeps touching it: "is there something?",
@@ -84,37 +87,39 @@ impl Conversation {
             return Ok(self.finds(&found));
         }
         // Where nothing is known yet a quick sweep often does.
-        if quick
-            && self.things.is_empty()
-            && self.search.is_none()
-            && let Some(found) = self.sweep(hand)?
-        {
-            return Ok(self.finds(&found));
+        if quick && self.mind.things.is_empty() && self.search.is_none() {
+            for hand in hand.map_or(vec![1, 0], |hand| vec![hand]) {
+                if let Some(found) = tried(self.actor.explore(hand))?.flatten() {
+                    return Ok(self.finds(&found));
+                }
+                self.settle();
+            }
         }
         if !self.begin(hand)? {
             return Ok(Answer::failed(NO_TABLE));
         }
-        let before: Vec<ThingId> = self.things.iter().map(|known| known.id).collect();
+        let before: Vec<ThingId> = self.mind.things.iter().map(|known| known.id).collect();
         while let Some(mut search) = self.search.take() {
             let felt = self.actor.search_on(&mut search)?;
             self.search = Some(search);
             self.take_over();
             let Some(felt) = felt else { break };
-            let new = self.things.iter().map(|known| known.id).find(|id| !before.contains(id));
+            let new = self.mind.things.iter().map(|known| known.id).find(|id| !before.contains(id));
             if let Some(id) = new
                 && let Some(found) = self.actor.touch_anew(&felt.found)?
             {
-                self.things.felt_again(id, &found);
-                self.things.mean(before.is_empty().then_some(id));
+                self.mind.things.felt_again(id, &found);
+                self.mind.things.mean(before.is_empty().then_some(id));
                 return Ok(self.feels(if before.is_empty() { "something" } else { "something else" }, id));
             }
         }
-        self.settle_at_ready();
-        let said = match self.things.len() {
-            0 => "I felt about on the table as far as I reach and found nothing".to_string(),
-            1 => "I felt about as far as I reach and found nothing but the one thing".to_string(),
-            count => format!("I felt about as far as I reach and found nothing but the {count} things"),
+        self.settle();
+        let nothing = match self.mind.things.len() {
+            0 => "nothing".to_string(),
+            1 => "nothing but the one thing".to_string(),
+            count => format!("nothing but the {count} things"),
         };
+        let said = format!("I felt about on the table as far as I reach and found {nothing}");
         Ok(Answer::done(format!("{said}{}", self.unsearched())))
     }
 
@@ -131,50 +136,41 @@ impl Conversation {
         if !self.begin(hand)? {
             return Ok(Answer::failed(NO_TABLE));
         }
-        if let Some(mut search) = self.search.take() {
-            while self.actor.search_on(&mut search)?.is_some() {}
-            self.search = Some(search);
+        if let Some(search) = &mut self.search {
+            while self.actor.search_on(search)?.is_some() {}
         }
         self.take_over();
-        self.settle_at_ready();
-        let places: Vec<String> = self.things.iter().map(|known| self.place(&known.at)).collect();
-        let said = match places.len() {
-            0 => "I found nothing on the table as far as I reach".to_string(),
-            1 => format!("I found one thing, {}", places.join("; ")),
-            count => format!("I found {count} things: {}", places.join("; ")),
-        };
-        Ok(Answer::done(format!("{said}{}", self.unsearched())))
+        self.settle();
+        Ok(Answer::done(format!("I found {}{}", self.things_in_words(), self.unsearched())))
+    }
+
+    /// All things that it knows of, and where they are, in words.
+    fn things_in_words(&self) -> String {
+        let places: Vec<String> = self.mind.things.iter().map(|known| self.place(&known.at)).collect();
+        match places.as_slice() {
+            [] => "nothing on the table".to_string(),
+            [one] => format!("one thing, {one}"),
+            places => format!("{} things: {}", places.len(), places.join("; ")),
+        }
     }
 
     /// It has found the first thing, and keeps touching it.
     fn finds(&mut self, found: &FoundThing) -> Answer {
-        let id = self.things.remember(found, Some(found.receptor));
-        self.things.mean(Some(id));
+        let id = self.mind.things.remember(found, Some(found.receptor));
+        self.mind.things.mean(Some(id));
         self.feels("something", id)
     }
 
     /// It feels something and keeps touching it.
     fn feels(&self, something: &str, id: ThingId) -> Answer {
-        let known = self.things.get(id);
-        let said = known.map(|known| {
+        let said = self.mind.things.get(id).map(|known| {
             let limb = self.limb_in_words(known.found.receptor);
             format!("Yes, I feel {something} with my {limb}, {}", self.place(&known.at))
         });
         Answer::done(said.unwrap_or_default())
     }
 
-    /// Sweeps the table with one hand, or with one after the other, until something is felt.
-    fn sweep(&mut self, hand: Option<usize>) -> Result<Option<FoundThing>> {
-        for hand in hand.map_or(vec![1, 0], |hand| vec![hand]) {
-            if let Some(found) = tried(self.actor.explore(hand))?.flatten() {
-                return Ok(Some(found));
-            }
-            self.settle_at_ready();
-        }
-        Ok(None)
-    }
-
-    /// Lowers the hands onto the table where it is not known yet, and remembers what one of them met above it.
+    /// Lowers the hands onto the table where it is not known yet: what one of them met above it.
     fn know_table(&mut self) -> Result<Option<FoundThing>> {
         match self.actor.table {
             Some(_) => Ok(None),
@@ -186,13 +182,11 @@ impl Conversation {
     fn begin(&mut self, hand: Option<usize>) -> Result<bool> {
         self.let_be();
         if let Some(met) = self.know_table()? {
-            self.things.remember(&met, None);
+            self.mind.things.remember(&met, None);
         }
         let again = self.search.take().filter(|search| !search.done || search.only != hand);
         self.search = again.or_else(|| self.actor.begin_search());
-        if let Some(search) = &mut self.search {
-            search.only = hand;
-        }
+        self.search.iter_mut().for_each(|search| search.only = hand);
         Ok(self.search.is_some())
     }
 
@@ -204,15 +198,7 @@ impl Conversation {
             .into_iter()
             .filter_map(|thing| Some((search.felt[*thing.touches.last()?].found.clone(), thing.at)))
             .collect();
-        self.things.take_over(&felt, |at| search.would_have_felt(at));
-    }
-
-    /// What it has not searched, or could not, in words; nothing where it knows all of the table that it reaches.
-    pub(super) fn not_searched(&self) -> String {
-        match &self.search {
-            Some(search) if search.done => self.unsearched(),
-            _ => "; I have not searched all of the table".to_string(),
-        }
+        self.mind.things.take_over(&felt, |at| search.would_have_felt(at));
     }
 
     /// What it could not search, in words; nothing where there is no such place.
@@ -225,19 +211,17 @@ impl Conversation {
                 let flat = apart - self.actor.up * apart.dot(&self.actor.up);
                 flat.norm() < BEHIND && known.at.dot(&self.actor.front) < forward
             };
-            match self.things.iter().find(behind) {
-                Some(known) if self.things.len() > 1 => {
-                    format!("behind the one {}", self.place(&known.at))
-                }
-                Some(_) => "behind it".to_string(),
+            match self.mind.things.iter().find(behind) {
+                Some(known) => format!("behind the one {}", self.place(&known.at)),
                 None => self.place(&at),
             }
         });
         let mut places: Vec<String> = places.collect();
         places.dedup();
-        match places.as_slice() {
-            [] => String::new(),
-            places => format!("; I could not feel {}", places.join(", nor ")),
+        if places.is_empty() {
+            String::new()
+        } else {
+            format!("; I could not feel {}", places.join(", nor "))
         }
     }
 }

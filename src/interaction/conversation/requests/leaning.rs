@@ -1,97 +1,129 @@
-//! "Lean forward and try again", "lean back".
+//! "Lean forward and try again", "lean back", "rest", "again".
 
 use super::super::Conversation;
 use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::conversation::grammar::{Leave, Request};
+use crate::interaction::conversation::speaking::cm;
 use crate::interaction::tasks::Trouble;
 
 pub(super) const LEAN_FORWARD: RequestKind = RequestKind::new(
     ["lean forward", "leaned forward"],
-    Act::Moves(|creature, request, leave| creature.lean(request, leave)),
-)
-.told(
-    "yourself|you ?BIT MORE FORWARD ; \
-         LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?waist|hips ?far ?MORE FORWARD ; \
-         AGAIN & LEAN FORWARD ; TRY|REPEAT & LEAN FORWARD ; \
-         LEAN ?your ?PART|yourself|body ?BIT ?FAR ?MORE \
-         over|down|in|into|ON|out|across|closer|ahead|at|MORE|further ; ^ LEAN $ ; ^ LEAN ?BIT ?MORE ; \
-         ^ ?BIT ?MORE|FAR FORWARD $ ; \
-         come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & !THING|SOME ; \
-         LEAN BIT|now|PART & !BACK|UPRIGHT ; come|get|go closer|nearer to|over TABLE & !THING ; \
-         move|bring|get BODY|yourself NEAR|over ON|the TABLE ; \
-         get|move|bring ?your yourself|PART|body ?BIT ?FAR FORWARD|over|further ; LEAN PART ; a|the lean ; \
-         have|take a lean|bow ; bow $ ; LEAN to ; LEAN so ; lean as ; LEAN with ; \
-         PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD ; \
-         GO FORWARD & !THING|ahead ; LEAN ; lower PART ON|over ; stretch FORWARD ; MORE FORWARD ; \
-         len FORWARD ; PULL|PUSH yourself FORWARD ; GO NEAR ?to ?TABLE with PART ; \
-         PART ?down ON|to|over TABLE ; FORWARD with you|PART",
+    Act::Moves(Conversation::lean),
+    "told: LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?waist|hips ?far ?MORE FORWARD ; \
+     AGAIN & LEAN FORWARD ; TRY|REPEAT & LEAN FORWARD ; LEAN ?your ?PART|yourself|body ?BIT ?FAR ?MORE \
+     over|down|in|into|ON|out|across|closer|ahead|at|MORE|further ; ^ LEAN ?BIT ?MORE ; ^ ?BIT ?MORE|FAR \
+     FORWARD $ ; come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & !THING|SOME ; \
+     come|get|go closer|nearer to|over TABLE & !THING ; move|bring|get BODY|yourself NEAR|over ON|the \
+     TABLE ; get|move|bring ?your yourself|PART|body ?BIT ?FAR FORWARD|over|further ; LEAN with ; \
+     PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD ; GO \
+     FORWARD & !THING|ahead ; LEAN ; lower PART ON|over ; MORE FORWARD ; len FORWARD ; PULL|PUSH yourself \
+     FORWARD ; GO NEAR ?to ?TABLE with PART ; PART ?down ON|to|over TABLE ; FORWARD with you|PART",
 )
 .needs_body();
 
 pub(super) const LEAN_BACK: RequestKind = RequestKind::new(
     ["lean back", "leaned back"],
-    Act::Moves(|creature, _, _| creature.upright()),
-)
-.said("^ BACK ?BIT $")
-.told(
-    "LEAN ?PART|yourself|THING ?BIT BACK ; LEAN ?BIT away|off ; LEAN ?right BACK ; LEAN .. other way ; \
-         up you get ; STRAIGHTEN up|yourself|BODY|out|BACK|UPRIGHT ; ^ STRAIGHTEN $ ; ^ unbend ; \
-         STRAIGHTEN ?BACK up ; UPRIGHT ; \
-         sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP ; \
-         sit|stand ?BACK UP|BACK|properly ; raise|lift|straighten yourself|BODY & !HAND ; \
-         stop|undo =leaning|lean ; back up|upright|straight ; \
-         get|come|be|keep|hold ?yourself|BODY UPRIGHT ; un bend ; \
-         take|get|pull|move|bring your|yourself|PART BACK & !HAND|THING ; UP straight ; no LEAN ; \
-         UPRIGHT ?again|BACK ; GO ?BACK UPRIGHT ; up ?BACK UPRIGHT ; STRAIGHTEN your ; \
-         PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND ; \
-         GO|come|get|be|BACK ?BACK ?to|into|at|in ?sitting UPRIGHT|vertical ?POSE ; \
-         sit ?up|BACK ?UP UPRIGHT ; LEAN right|MORE|all BACK ; come|get|BACK ?BACK UP ; \
-         undo|end ?your lean ; STRAIGHTEN ; bring|move|PULL PART BACK UP ; vertical ; \
-         away from TABLE & LEAN ; no MORE =leaning|=bending ; ^ PART BACK $ ; ^ PART UP $ ; \
-         ^ ease|rock|recline ?BACK $ ; sit|stand|get UPRIGHT ; undo .. lean|LEAN ; GO|PULL BACK from TABLE",
-)
-.denied(
-    "STOP|quit|cease =leaning|=bending ; not|stop slouch|slump|=slouching ; not slouch & STRAIGHTEN ; \
-         not LEAN any|longer|anymore ; no =slouching|=stooping",
+    Act::Moves(|creature, _, _| match creature.actor.leans_from(&creature.ready) {
+        true => creature.back("upright again", "upright"),
+        false => Ok(Answer::done("I am upright")),
+    }),
+    "said: ^ BACK ?BIT $ ; told: LEAN ?PART|yourself|THING ?BIT BACK ; LEAN ?BIT away|off ; LEAN .. other \
+     way ; up you get ; STRAIGHTEN up|yourself|BODY|out|BACK|UPRIGHT ; \
+     sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP ; sit|stand ?BACK \
+     UP|BACK|properly ; raise|lift|straighten yourself|BODY & !HAND ; get|come|be|keep|hold ?yourself|BODY \
+     UPRIGHT ; un bend ; take|get|pull|move|bring your|yourself|PART BACK & !HAND|THING ; UP straight ; no \
+     LEAN ; UPRIGHT ?again|BACK ; PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND ; \
+     GO|come|get|be|BACK ?BACK ?to|into|at|in ?sitting UPRIGHT|vertical ?POSE ; LEAN right|MORE|all BACK ; \
+     come|get|BACK ?BACK UP ; undo|end ?your lean ; STRAIGHTEN ; away from TABLE & LEAN ; no MORE \
+     =leaning|=bending ; ^ PART BACK $ ; ^ PART UP $ ; ^ ease|rock|recline ?BACK $ ; sit|stand|get \
+     UPRIGHT ; undo .. lean|LEAN ; GO|PULL BACK from TABLE ; denied: STOP|quit|cease =leaning|=bending ; \
+     not|stop slouch|slump|=slouching ; not LEAN any|longer|anymore ; no =slouching|=stooping",
 )
 .needs_body();
 
+pub(super) const REST: RequestKind = RequestKind::new(
+    ["go back to rest", "went back to rest"],
+    Act::Moves(|creature, _, _| {
+        creature.actor.let_go();
+        creature.back("at rest again", "back to rest")
+    }),
+    "told: ^ assume|adopt|resume|take|take .. START ?old POSE ; have|take|get ?yourself|your \
+     ?GOOD|BIT|short|well ?earned|deserved rest|break|breather ; at ease ; GO|return|sit ?BACK home ; \
+     lower|drop|relax|withdraw|retract|hang|rest|DROP ?both BODY ; \
+     PUT|lower|take|bring|let|LET|lay|rest|PULL|DROP ?both HAND ?BACK \
+     DOWN|BACK|rest|hang|fall|away|in|at|by|home|drop ; PUT|lower|take|PULL|bring DOWN|BACK HAND ; HAND \
+     ?sink|fall|drop|GO DOWN|BACK $ ; HAND ?BACK ?DOWN ?please $ & DOWN|BACK ; HAND ?BACK ?DOWN to|at|by|in \
+     ?your side|sides|lap|START|rest ; settle down|BACK ; reset yourself|your|BODY ; BACK|GO|return|PUT .. \
+     where|how ?you|THING|they ?PAST start|begin|=was|=were|came|=started|=began|PAST ; RELAX ; \
+     a|short|good|BIT rest|break|breather ; LET HAND sink|drop|fall|hang|rest ; take THING easy ; ?BACK \
+     to|into your|the ?START POSE ; ^ return $ ; take five $ ; GO limp|slack ; GO ?BACK to your|the START \
+     ?POSE ; GO BACK to|rest|START ; stand down|easy|easily ; hang loose ; park BODY ; \
+     GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your START ?POSE ; GO idle|comfortable ; START \
+     ?POSE ?please $ ; BACK ?to|at|in ?your START ?POSE ; BACK to ?your POSE ; ease off|up $ ; \
+     take|get|PULL|remove HAND off|from TABLE ; ^ stand|kick|simmer|power down|back $ ; ^ reset $ ; HAND \
+     BACK ?to ?where ; ^ go to sleep ; ^ as you be ; past: ^ as you be",
+);
+
+pub(super) const REPEAT: RequestKind = RequestKind::new(
+    ["do it again", "did it again"],
+    Act::Moves(|creature, request, leave| match creature.last.clone() {
+        Some(last) => creature.again(last, request, leave),
+        None => Ok(Answer::failed("I have not done anything yet that I could do again")),
+    }),
+    "said: ^ another $ ; NUMBER MORE time ; told: ^ ?and ?try AGAIN ; ^ ?and AGAIN but ; from the top ; \
+     another|other go|try|time ; REPEAT THING ; ^ encore ; once|one|twice|another ?last MORE ?again|time ; \
+     DO|TRY|attempt|have ?THING|so|that|SOME ?same ?thing ?ALL|over ?yet ?once ?over \
+     AGAIN|over|anew|afresh ; have|take|give ?THING ?another ?second|third|further|MORE \
+     go|try|TRY|attempt|shot|crack|stab|bash|whirl|GO ; go AGAIN|over ; DO THING ?one|once MORE|again ; \
+     another|one|a|second MORE|another|last|go ?go TRY|go|attempt|shot|crack|time ; DO ?that same \
+     ?again|thing ; same again|thing|procedure ; TRY ?THING ?ALL AGAIN|harder|MORE|over ; the same ?thing \
+     with|ON|AGAIN ; have|get THING AGAIN ; go|start|TRY over again ; do what you =did ; keep \
+     =trying|going ; as|like before ; second|third time ; AGAIN $ & !HELLO ; DO .. AGAIN ; AGAIN with \
+     HAND ; MORE time ; ^ ?and same ?thing ; make|have|give ?it another|MORE|second ?ANY \
+     TRY|try|attempt|shot|go|time ; ^ another|MORE|second TRY|attempt ; perform|play|show|see ?THING|that \
+     AGAIN ; go through THING AGAIN ; REPEAT ; same .. with|using HAND ; another|one ?MORE go|try|attempt ; \
+     another|one ?MORE round|turn ; ^ take two ; run THING BACK",
+);
+
 impl Conversation {
+    /// Does something again that it was asked for, with the hand that is named now.
+    fn again(&mut self, last: Request, request: &Request, leave: &Leave) -> Acted {
+        let again = Request { hand: request.hand.or(last.hand), lean: request.lean || last.lean, ..last };
+        Ok(self.act(again, Some(leave.again()), &[])?.into())
+    }
+
+    /// Goes back to where its hands wait.
+    fn back(&mut self, done: &str, place: &str) -> Acted {
+        self.let_be();
+        Ok(match self.settle() {
+            true => Answer::done(format!("I am {done}")),
+            false => Answer::failed(format!("I cannot get {place}: something is in the way")),
+        })
+    }
+
     /// Leans; and if something was asked for before that failed or that goes farther so, does that again.
     fn lean(&mut self, request: &Request, leave: &Leave) -> Acted {
-        let retried = match (request.again, request.about, self.last.clone()) {
+        let leaning = Request { lean: true, ..request.clone() };
+        match (request.again, request.about, self.last.clone()) {
+            (true, _, Some(last)) => return self.again(last, &leaning, leave),
             (true, _, None) => {
                 return Ok(Answer::failed("There is nothing yet that I could try again leaning"));
             }
-            (true, _, Some(last)) => Some(Request { lean: true, hand: request.hand.or(last.hand), ..last }),
-            (false, Some(intent), _) => Some(Request { intent, about: None, lean: true, ..request.clone() }),
-            (false, None, _) => None,
-        };
-        if let Some(retried) = retried {
-            return Ok(self.act(retried, Some(leave.again()), &[])?.into());
+            (false, Some(intent), _) => {
+                return self.again(Request { intent, about: None, ..leaning }, request, leave);
+            }
+            (false, None, _) => {}
         }
         self.let_be();
         match self.actor.lean_forward() {
             Ok(far) if far > 0.005 => {
-                Ok(Answer::done(format!("I lean forward: my shoulders came {:.0} cm farther", 100.0 * far)))
+                Ok(Answer::done(format!("I lean forward: my shoulders came {} farther", cm(far))))
             }
             Ok(_) => Ok(Answer::done("I lean forward already as far as I can")),
             Err(Trouble::Reach(_)) => {
                 Ok(Answer::failed("I cannot lean forward: something would be in the way"))
             }
-            Err(trouble) => Err(trouble),
+            Err(trouble) => Err(trouble.into()),
         }
-    }
-
-    fn upright(&mut self) -> Acted {
-        let ready = self.ready.clone();
-        if !self.actor.leans_from(&ready) {
-            return Ok(Answer::done("I am upright"));
-        }
-        self.let_be();
-        Ok(match self.settle(&ready) {
-            true => Answer::done("I am upright again"),
-            false => Answer::failed("I cannot get upright: something is in the way"),
-        })
     }
 }

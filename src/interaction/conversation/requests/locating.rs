@@ -1,6 +1,6 @@
 //! "Where is it?", "how far is it?", "is it near or far?", "where is your left elbow?", "what do you feel?"
 
-use super::super::speaking::Placed;
+use super::super::speaking::{Placed, cm, sentence};
 use super::super::{Conversation, OwnSpot};
 use super::{Act, Answer, RequestKind};
 use crate::geometry::Capsule;
@@ -12,129 +12,84 @@ use crate::peripersonal::Level;
 
 pub(super) const HOW_FAR: RequestKind = RequestKind::new(
     ["tell how far it is", "told how far it is"],
-    Act::Tells(|creature, request| creature.how_far(request)),
-)
-.asked(
-    "how FAR ; how many cms ; how FAR do you have ?to ; how FAR|distant|NEAR ?away|off ?from|be THING ; \
-         how FAR .. THING ; how NEAR|close be|to|do|THING ; GAP & !close|BODY ; distance|range ; \
-         give|TELL ?me ?its distance ; distance|range ?to|of|from|between ?THING|it ; the|its distance ; \
-         distance $ ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; \
-         the range to|of THING ; how long|SIZED|FAR a|be way ; \
-         how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; in ?terms ?of UNIT ; \
-         GAP|space between ; FAR away from ; how FAR off|away|out ; \
-         how FAR .. HELPING|have|must you .. REACH|stretch|GO|move|lean ; what .. distance|GAP ; distance ; \
-         by how much|far .. FAR ; how much .. away|off|between ; MORE|less than .. UNIT ; \
-         how FAR|close|NEAR ; what .. RANGE ; ASKING HELPING you TELL|guess|estimate|think .. GAP ; \
-         be THING ?ANY UNIT FAR ; a long way ?off|away|to ; how many UNIT ?FAR ; \
-         how much NEAR|FAR|closer|farther|nearer ; for|of the distance ; give .. distance|GAP ; \
-         gauge|estimate .. distance|GAP ; long way off|away",
-)
-.past("distance ; how FAR|NEAR");
+    Act::Tells(|creature, request| {
+        creature.asked_about(request).map_or_else(|a| a, |it| creature.how_far(it))
+    }),
+    "asked: how many cms ; how FAR do you have ?to ; how FAR .. THING ; GAP & !close|BODY ; distance|range \
+     ?to|of|from|between ?THING|it ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; how \
+     long|SIZED|FAR a|be way ; how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; FAR away \
+     from ; how FAR .. HELPING|have|must you .. REACH|stretch|GO|move|lean ; what .. distance|GAP ; how \
+     much .. away|off|between ; MORE|less than .. UNIT ; how FAR|close|NEAR ; what .. RANGE ; ASKING \
+     HELPING you TELL|guess|estimate|think .. GAP ; be THING ?ANY UNIT FAR ; a long way ?off|away|to ; how \
+     much NEAR|FAR|closer|farther|nearer ; long way off|away ; past: how FAR|NEAR",
+);
 
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::new(
     ["tell whether I reach it", "told whether I reach it"],
-    Act::Tells(|creature, request| creature.near_or_far(request)),
-)
-.asked(
-    "if|whether you|your|BODY can|could ?ever REACH|TOUCH|get|GRAB ; \
-         if|whether THING be ?too FAR|NEAR ; too FAR|NEAR ; NEAR or|versus|and|not ?FAR ; \
-         FAR or|versus|and|not ?NEAR ; or ?some ?long way off|away ; \
-         within|in|inside|out|outside|beyond|at ?of ?easy|your|HAND|arm ?arm|easy|own RANGE & !put ; \
-         REACHABLE ; too|very FAR|NEAR ; \
-         be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
-         have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
-         able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to \
-         REACH|TOUCH|get|GRAB|=reaching|=touching ; \
-         ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe !feel \
-         REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; able ?to REACH|TOUCH|GRAB|get ; able ; \
-         REACH THING if|without|with|from ; HELPING you ?ever REACH THING ; \
-         can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; BODY long|enough ; \
-         BODY be ?long enough|long ; REACH THING|SOME|that|there ; get at|to THING ; \
-         get THING without|with|from|if ; HELPING THING be =reached|=touched|=grasped ; near enough ; \
-         close enough ; far enough ; how easily|well|easy & REACH ; FAR $ ; close|near at hand ; to hand ; \
-         get that FAR ; get there ; touch THING from|without ; which ?THING be NEAR ; \
-         HELPING .. need|have ?to LEAN ; inside|in|within|out ?of ?your RANGE ; \
-         i|you PUSH|PULL THING NEAR ; stretch|REACH that FAR ; ^ in|within RANGE $ ; \
-         HELPING you make THING ; REACH as|that|so FAR",
+    Act::Tells(|creature, request| {
+        creature.asked_about(request).map_or_else(|a| a, |it| creature.near_or_far(it, request))
+    }),
+    "asked: NEAR or|versus|and|not ?FAR ; FAR or|versus|and|not ?NEAR ; or ?some ?long way off|away ; \
+     within|in|inside|out|outside|beyond|at ?of ?easy|your|HAND|arm ?arm|easy|own RANGE & !put ; \
+     REACHABLE ; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
+     have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
+     able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to \
+     REACH|TOUCH|get|GRAB|=reaching|=touching ; ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able \
+     ?to ?ever ?maybe !feel REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; able ; \
+     can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; BODY long|enough ; BODY be ?long \
+     enough|long ; REACH THING|SOME|that|there ; get at|to THING ; get THING without|with|from|if ; HELPING \
+     THING be =reached|=touched|=grasped ; near enough ; close enough ; far enough ; how easily|well|easy & \
+     REACH ; FAR $ ; close|near at hand ; to hand ; get that FAR ; get there ; touch THING from|without ; \
+     which ?THING be NEAR ; HELPING .. need|have ?to LEAN ; i|you PUSH|PULL THING NEAR ; HELPING you make \
+     THING",
 )
 .needs_body();
 
 pub(super) const WHERE_OWN: RequestKind = RequestKind::new(
-        ["tell where it is", "told where it is"],
-        Act::Tells(|creature, request| creature.where_own(request)),
-    )
-    .past("where .. BODY ?end UP|up ; where .. you .. BODY")
-    .told("find|locate BODY $ ; show ?me BODY")
-    .asked(
-    "where|whereabouts BODY ; where|whereabouts .. BODY ; BODY .. where ; \
-         BODY .. where be|have ?THING ; WHEREABOUTS ?of|are|be BODY ; WHEREABOUTS .. BODY ; \
-         be BODY now|there|here|UP|DOWN $ ; \
-         be BODY ?still \
-         bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended \
-         ; how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; \
-         how high|low|FAR|bent .. BODY ; which|what WHEREABOUTS|side|way|height|level .. BODY ; \
-         TELL|know|find BODY $ ; what be BODY do ; BODY be where|located|now ; how be BODY $ ; \
-         BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; BODY bent ; \
-         how BODY =placed|=held|=positioned ; where .. BODY ?end|GO ?UP ; where|were be BODY",
+    ["tell where it is", "told where it is"], Act::Tells(Conversation::where_own),
+    "told: find|locate BODY $ ; show ?me BODY ; asked: BODY .. where be|have ?THING ; WHEREABOUTS \
+     ?of|are|be BODY ; WHEREABOUTS .. BODY ; be BODY now|there|here|UP|DOWN $ ; be BODY ?still \
+     bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended ; \
+     how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. \
+     BODY ; which|what WHEREABOUTS|side|way|height|level .. BODY ; TELL|know|find BODY $ ; what be BODY \
+     do ; BODY be where|located|now ; BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; BODY bent",
 )
-    .needs_body();
+.needs_body();
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
     ["tell where I feel it", "told where I feel it"],
-    Act::Tells(|creature, _| creature.where_felt()),
-)
-.told("^ contact where")
-.asked(
-    "where|whereabouts ; where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
-         WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; \
-         which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; which|what .. side ; \
-         be THING ?MORE ?now|STILL|somewhere|UPRIGHT ?to|ON|at|in ?your|my \
-         left|right|ahead|front|behind|side|above|below|middle ; be THING in front|straight ; \
-         which|what HAND|BODY|limb|hand|arm HELPING|be|FEEL|TOUCH ; \
-         which|what ?of ?your HAND|BODY|part|limb|hand|arm ; with which|what HAND|BODY|part|limb|hand ; \
-         which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY ; left or ?to|on ?ON right ; \
-         left|right|front|behind or ; ^ TELL ?me where $ ; ^ THING be where ; \
-         TELL|KNOW|show .. where|side ; TELL|KNOW|show ?me which|what side|way|direction ; \
-         where on|at|in the ; where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense ; \
-         which|what HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING \
-         FEEL|TOUCH|sense|press ; which|what place|spot|part ?of BODY|body ; \
-         where ON you|your|BODY HELPING|be ; LOCATE ; locate THING & words ; where be THING ?now ; \
-         what part|spot ; be THING SIDE ; left|right side ; be THING ahead|behind|left|right ; \
-         on|to your left|right ; where .. ON ?your BODY|skin|body|you ; \
-         where on ?your BODY|skin|body|you .. FEEL|contact ; with|by what|which .. FEEL|TOUCH ; \
-         what|which HAND|part|finger|limb ; point|indicate where ; \
-         with|by what|which HELPING|do you FEEL|TOUCH ?THING ; \
-         where|whereabouts HELPING|do|be you|THING FEEL|TOUCH ?THING ; ^ contact where ; \
-         behind|front|left|right .. or ; where|which .. contact|touch",
-)
-.past("left|right or ; where & you|THING|SOME|BODY|HAND ; where");
+    Act::Tells(|creature, _| Answer::tells(creature.where_felt())),
+    "told: ^ contact where ; asked: where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
+     WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; which|what \
+     WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; be THING ?MORE ?now|STILL|somewhere|UPRIGHT \
+     ?to|ON|at|in ?your|my left|right|ahead|front|behind|side|above|below|middle ; be THING in \
+     front|straight ; which|what HAND|BODY|limb|hand|arm HELPING|be|FEEL|TOUCH ; which|what ?of ?your \
+     HAND|BODY|part|limb|hand|arm ; which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY ; \
+     TELL|KNOW|show .. where|side ; where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense ; which|what \
+     HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press ; which|what \
+     place|spot|part ?of BODY|body ; where ON you|your|BODY HELPING|be ; locate THING & words ; left|right \
+     side ; on|to your left|right ; where .. ON ?your BODY|skin|body|you ; with|by what|which .. \
+     FEEL|TOUCH ; with|by what|which HELPING|do you FEEL|TOUCH ?THING ; where|whereabouts HELPING|do|be \
+     you|THING FEEL|TOUCH ?THING ; behind|front|left|right .. or ; where|which .. contact|touch ; past: \
+     where & you|THING|SOME|BODY|HAND ; where",
+);
 
 pub(super) const WHAT_FELT: RequestKind = RequestKind::new(
     ["tell what I feel", "told what I feel"],
     Act::Tells(|creature, _| creature.what_felt()),
-)
-.asked(
-    "can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
-         what you be FEEL|TOUCH|sense ; what you FEEL ; if|whether you FEEL|TOUCH ; do you FEEL my ; \
-         do THING|you FEEL SOME ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; \
-         do you ?still FEEL ?ANY BODY|my ; ^ FEEL SOME $ ; \
-         what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
-         what|be|do|how .. =touching|=touches|=feeling ; any|which|what|your|the|in ?any CONTACT ; \
-         SOME|THING|who|i|what TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at \
-         BODY|you|your ; \
-         be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any \
-         TOUCH|contact|CONTACT|press|against|hold|FEEL ; what be in|ON|at|under|against HAND|BODY ; \
-         what do you FEEL ; you FEEL|sense|TOUCH|hold ; ^ =feeling|=touching|=holding|=sensing ; \
-         FEEL SOME ; SOME ?else under|at|against|in|beneath|ON HAND|BODY ; \
-         do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING ; hold SOME|THING ; \
-         what ?do your skin|BODY|HAND|receptors TELL|FEEL|notice|TOUCH ; TELL .. what you FEEL ; \
-         you FEEL SOME|THING ?with HAND ; FEEL SOME with|on|against ; \
-         be HAND TOUCH|on|against|=touching SOME|THING ; in CONTACT with ; do THING touch you|BODY ; \
-         have|do|be you|BODY ?have|get hold|grip of ; what .. BODY|HAND .. FEEL|TOUCH|notice|sense ; \
-         receptors|receptor ; be ?any ?of ?your receptors|skin ANY ; \
-         TELL ?me what HAND|BODY be|do FEEL|TOUCH ; what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; \
-         FEEL me ; ^ ?do ?you =feeling|=sensing|sense|feel ANY|SOME $ ; get|have SOME ?in|ON BODY ; \
-         ^ sense|feel|notice SOME $",
+    "asked: can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
+     what you be FEEL|TOUCH|sense ; what .. you FEEL|sense ; ^ still FEEL THING|SOME ; \
+     what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact ; \
+     what|be|do|how .. =touching|=touches|=feeling ; any|which|what|your|the|in ?any CONTACT ; \
+     SOME|THING|who|i|what TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at \
+     BODY|you|your ; be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any \
+     TOUCH|contact|CONTACT|press|against|hold|FEEL ; what be in|ON|at|under|against HAND|BODY ; you \
+     FEEL|sense|TOUCH|hold ; ^ =feeling|=touching|=holding|=sensing ; FEEL SOME ; SOME ?else \
+     under|at|against|in|beneath|ON HAND|BODY ; do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB \
+     ?SOME|THING ; hold SOME|THING ; be HAND TOUCH|on|against|=touching SOME|THING ; have|do|be you|BODY \
+     ?have|get hold|grip of ; receptors|receptor ; be ?any ?of ?your receptors|skin ANY ; TELL ?me what \
+     HAND|BODY be|do FEEL|TOUCH ; what ?be THING|SOME ?that in|ON|under|at|beneath BODY ; FEEL me ; \
+     get|have SOME ?in|ON BODY",
 );
 
 /// Names as they are listed: "a, b and c".
@@ -145,121 +100,104 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// Words with a capital letter first.
-fn sentence(said: &str) -> String {
-    let mut letters = said.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
 impl Conversation {
     /// The thing that a question is about.
     fn asked_about(&self, request: &Request) -> Result<&KnownThing, Answer> {
-        let named = request.which.and_then(|which| self.which(which));
-        match named.and_then(|id| self.things.get(id)).or(self.things.it()) {
+        match self.mind.find(&self.actor, request.which).or(self.mind.things.it()) {
             Some(known) => Ok(known),
-            None if self.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
+            None if self.mind.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
             None => Err(Answer::asks(self.question())),
         }
     }
 
-    fn how_far(&self, request: &Request) -> Answer {
-        let known = match self.asked_about(request) {
-            Ok(known) => known,
-            Err(answer) => return answer,
-        };
+    fn how_far(&self, known: &KnownThing) -> Answer {
         let distances = self.actor.distances(&known.at);
-        let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let hands = self.actor.hands.each_ref().map(|hand| {
             let distance =
                 distances.iter().find(|(limb, _)| *limb == hand.limb).map_or(f64::NAN, |(_, d)| *d);
-            format!("{:.0} cm from my {}", 100.0 * distance.max(0.0), in_words(&hand.name))
+            format!("{} from my {}", cm(distance), in_words(&hand.name))
         });
+        let nearest = distances.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let near = nearest.map_or(String::new(), |(limb, distance)| {
             let limb = in_words(&self.actor.own.creature().limbs()[*limb]);
-            format!("; the nearest to it is my {limb}, {:.0} cm away", 100.0 * distance.max(0.0))
+            format!("; the nearest to it is my {limb}, {} away", cm(*distance))
         });
         let stick = self.actor.from_stick(&known.at);
-        let stick = stick.map_or(String::new(), |distance| {
-            format!("; the stick in my hand is {:.0} cm from it", 100.0 * distance.max(0.0))
-        });
-        Answer::tells(format!("It is {}: {} and {}{near}{stick}", self.place(&known.at), hands[0], hands[1]))
+        let stick = stick
+            .map_or(String::new(), |distance| format!("; the stick in my hand is {} from it", cm(distance)));
+        Answer::tells(format!("It is {}: {}{near}{stick}", self.place(&known.at), listed(&hands)))
     }
 
     /// From the map of what its hands reach, which knows joints' ranges and nothing in the way.
-    fn near_or_far(&self, request: &Request) -> Answer {
-        let known = match self.asked_about(request) {
-            Ok(known) => known,
-            Err(answer) => return answer,
-        };
+    fn near_or_far(&self, known: &KnownThing, request: &Request) -> Answer {
         let Some(maps) = self.reachable() else {
             return Answer::tells("I do not know how far my hands reach");
         };
         let only = self.hand_for(request.hand);
         let hand_of = |map: usize| self.actor.hands.iter().position(|hand| hand.limb == maps[map].hand);
-        let levels: Vec<(usize, Level)> = (0..maps.len())
-            .filter(|&map| only.is_none_or(|only| hand_of(map) == Some(only)))
-            .map(|map| (map, maps[map].level(&maps[map].frame.inverse_point(&known.at))))
-            .collect();
-        let with = |wanted: Level| -> Vec<String> {
-            let hands = levels.iter().filter(|(_, level)| *level == wanted);
-            let name = |(map, _): &(usize, Level)| match self.actor.hands.get(*map) {
+        // How those of some level reach it.
+        let reach = |wanted: Level, how: &str| {
+            let of_level = (0..maps.len()).filter(|&map| {
+                only.is_none_or(|only| hand_of(map) == Some(only))
+                    && maps[map].level(&maps[map].frame.inverse_point(&known.at)) == wanted
+            });
+            let name = |map: usize| match self.actor.hands.get(map) {
                 Some(hand) => format!("my {}", in_words(&hand.name)),
                 None => "the stick".to_string(),
             };
-            hands.map(name).collect()
+            let names: Vec<String> = of_level.map(name).collect();
+            let verb = if names.len() == 1 { "reaches" } else { "reach" };
+            (!names.is_empty()).then(|| format!("{} {verb} it {how}", listed(&names)))
         };
-        let (near, far) = (with(Level::Near), with(Level::Far));
-        let verb = |hands: &[String]| if hands.len() == 1 { "reaches" } else { "reach" };
-        Answer::tells(match (near.as_slice(), far.as_slice()) {
-            ([], []) => "It is out of reach, even if I lean forward".to_string(),
-            ([], far) => format!("It is far: {} {} it only if I lean forward", listed(far), verb(far)),
-            (near, []) => format!("It is near: {} {} it without leaning", listed(near), verb(near)),
-            (near, far) => format!(
-                "It is near: {} {} it without leaning, {} only if I lean forward",
-                listed(near),
-                verb(near),
-                listed(far)
-            ),
+        let near = reach(Level::Near, "without leaning");
+        let far = reach(Level::Far, "only if I lean forward");
+        Answer::tells(match (near, far) {
+            (None, None) => "It is out of reach, even if I lean forward".to_string(),
+            (None, Some(far)) => format!("It is far: {far}"),
+            (Some(near), far) => {
+                format!(
+                    "It is near: {}",
+                    [Some(near), far].into_iter().flatten().collect::<Vec<_>>().join(", ")
+                )
+            }
         })
+    }
+
+    /// The parts of its body that a name means.
+    fn parts(&self, part: &PartName) -> Result<Vec<BodyPart>, Answer> {
+        let found = body_part::find(&self.actor, part, self.hand_touching());
+        found.map_err(|unknown| Answer::tells(unknown.to_string()))
     }
 
     fn where_own(&self, request: &Request) -> Answer {
         let Some(part) = &request.part else {
             return Answer::tells("I do not know which part of me you mean");
         };
-        let found = match body_part::find(&self.actor, part, self.hand_touching()) {
-            Ok(found) => found,
-            Err(unknown) => return Answer::tells(unknown.to_string()),
-        };
-        let told: Vec<String> = found
-            .iter()
-            .map(|part| {
-                let at = part.at(&self.actor.frames());
-                format!("my {} is {}", part.name, self.place_of_own(&at))
-            })
-            .collect();
-        Answer::tells(sentence(&told.join("; ")))
+        let frames = self.actor.frames();
+        let told = |part: &BodyPart| format!("my {} is {}", part.name, self.place_of_own(&part.at(&frames)));
+        self.parts(part).map_or_else(
+            |answer| answer,
+            |found| Answer::tells(sentence(&found.iter().map(told).collect::<Vec<_>>().join("; "))),
+        )
     }
 
     /// How what a question puts in relation is placed, one relative to the other; nothing where it asks for none.
     pub(in super::super) fn relation(&self, request: &Request) -> Option<Answer> {
         let (what, to) = request.related.as_ref()?;
-        if let Some(doubt) = self.doubt() {
-            return Some(Answer::failed(doubt));
-        }
-        Some(self.related(request, what, to).map_or_else(|answer| answer, Answer::tells))
+        Some(match self.doubt() {
+            Some(doubt) => Answer::failed(doubt),
+            None => self.related(request, what, to).map_or_else(|answer| answer, Answer::tells),
+        })
     }
 
     fn related(&self, request: &Request, what: &End, to: &[PartName]) -> Result<String, Answer> {
         let frames = self.actor.frames();
         let parts = |part: &PartName| -> Result<Vec<Placed<'_>>, Answer> {
-            let found = body_part::find(&self.actor, part, self.hand_touching());
-            let found = found.map_err(|unknown| Answer::tells(unknown.to_string()))?;
-            let extent = |part: &BodyPart| part.extent(&self.actor, &frames);
-            Ok(found
-                .iter()
-                .map(|part| Placed { name: format!("my {}", part.name), extent: extent(part) })
-                .collect())
+            let placed = |part: BodyPart| {
+                let name = format!("my {}", part.name);
+                Placed { name, extent: part.extent(&self.actor, &frames) }
+            };
+            Ok(self.parts(part)?.into_iter().map(placed).collect())
         };
         let what = match what {
             End::Part(part) => parts(part)?,
@@ -282,43 +220,37 @@ impl Conversation {
         }
     }
 
-    fn where_felt(&self) -> Answer {
-        let touching =
-            self.things.iter().filter_map(|known| known.in_touch.map(|receptor| (known, receptor)));
+    fn where_felt(&self) -> String {
+        let things = &self.mind.things;
+        let touching = things.iter().filter_map(|known| Some((known, known.in_touch?)));
         let told: Vec<String> = touching
             .map(|(known, receptor)| {
                 let id = &self.actor.own.skin().receptors[receptor].id;
-                format!(
-                    "I feel it with my {} (receptor {id}), {}",
-                    self.limb_in_words(receptor),
-                    self.place(&known.at)
-                )
+                let limb = self.limb_in_words(receptor);
+                format!("I feel it with my {limb} (receptor {id}), {}", self.place(&known.at))
             })
             .collect();
-        Answer::tells(match (told.is_empty(), self.things.it().or(self.things.iter().next_back())) {
+        match (told.is_empty(), things.it().or(things.iter().next_back())) {
             (false, _) => told.join("; "),
-            (true, Some(known)) => format!(
-                "I do not feel it now; I felt it with my {}, and it is {}",
-                self.limb_in_words(known.found.receptor),
-                self.place(&known.at)
-            ),
+            (true, Some(known)) => {
+                let limb = self.limb_in_words(known.found.receptor);
+                format!("I do not feel it now; I felt it with my {limb}, and it is {}", self.place(&known.at))
+            }
             (true, None) => "I do not feel anything".into(),
-        })
+        }
     }
 
     fn what_felt(&self) -> Answer {
-        let holds = self
-            .actor
-            .stick()
-            .map(|stick| format!("I hold the stick with my {}", self.hand_name(stick.hand)));
+        let holds = self.actor.stick();
+        let holds = holds.map(|stick| format!("I hold the stick with my {}", self.hand_name(stick.hand)));
         let touched = match &self.spot {
             Some(OwnSpot { receptor, by_stick }) => {
                 let by = if *by_stick { "the stick" } else { "my own hand" };
                 Some(format!("I feel {by} on my {}", self.limb_in_words(*receptor)))
             }
             None => {
-                let any = self.things.iter().any(|known| known.in_touch.is_some());
-                any.then(|| self.where_felt().said)
+                let any = self.mind.things.iter().any(|known| known.in_touch.is_some());
+                any.then(|| self.where_felt())
             }
         };
         Answer::tells(match (touched, holds) {

@@ -3,45 +3,35 @@
 //! To add a request, write a file with a [`RequestKind`], and name it in the table below. Its words are patterns
 //! ([`grammar`](super::grammar)); an utterance means the request whose pattern takes most of its words, of two the first in the table.
 
-mod answering;
-mod avoiding;
-mod counting;
 mod exploring;
-mod feeling_over;
-mod feeling_shape;
-mod forgetting;
-mod helping;
-mod keeping_still;
+mod holding;
 mod leaning;
-mod letting_go;
-mod lifting;
 mod locating;
-mod meeting;
-mod prohibiting;
+mod minding;
+mod own_body;
 mod putting;
-mod quitting;
-mod repeating;
-mod reporting;
-mod resting;
-mod shape_known;
-mod stopping;
+mod shape;
 mod taking_stick;
+mod talking;
 mod touching;
-mod touching_own;
 
 use serde::Serialize;
 
-use super::grammar::{Leave, Request, Words};
-use super::{Conversation, Mind, Reply};
+use super::grammar::{Leave, PartName, Request};
+use super::mind::Mind;
+use super::{Conversation, Reply};
+use crate::error::Result;
+use crate::interaction::actor::Actor;
 use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 
 /// A request that a creature understands.
 pub(super) struct RequestKind {
     /// What it is called in a sentence, and when it is done: `touch it`, `touched it`.
-    pub doing: [&'static str; 2],
-    /// The words that mean it.
-    pub words: Words,
+    doing: [&'static str; 2],
+    /// The words that mean it: patterns, after how they are said. `told:` or asked to do it, `asked:` for an answer, asked of what
+    /// was `past:`, `denied:` something, or `said:` alone, in whatever sentence.
+    pub words: &'static str,
     /// Whether it must know its body for it.
     pub needs_body: bool,
     /// Does it, and answers.
@@ -52,19 +42,46 @@ pub(super) struct RequestKind {
 pub(super) enum Act {
     /// It tells, and changes nothing.
     Tells(fn(&Conversation, &Request) -> Answer),
-    /// It changes what is remembered, and nothing else.
-    Minds(fn(&mut Mind<'_>, &Request) -> Answer),
+    /// It changes what is kept in mind, and nothing else.
+    Minds(fn(&mut Mind, &Actor, &Request) -> Answer),
     /// It moves, for which there has to be leave.
     Moves(fn(&mut Conversation, &Request, &Leave) -> Acted),
     /// It moves, for which there has to be leave, and is about a thing that was felt before.
-    Handles(fn(&mut Conversation, &KnownThing, &Request, &Leave) -> Acted),
+    Handles(fn(&mut Conversation, &KnownThing, &Request) -> Acted),
 }
 
 /// What is said of what was done, or why it could not be.
-pub(super) type Acted = Result<Answer, Trouble>;
+pub(super) type Acted = Result<Answer, Hindrance>;
 
-/// What it says where it no longer feels what it was to hold.
-const SLIPPED: &str = "It slipped away: I no longer feel it";
+/// Why it did not do what was wanted.
+pub(super) enum Hindrance {
+    /// It says so.
+    Said(Answer),
+    /// Something went wrong.
+    Met(Trouble),
+}
+
+impl Hindrance {
+    /// What it says; only a failure of the engine is passed on.
+    pub fn answer(self) -> Result<Answer> {
+        match self {
+            Hindrance::Said(answer) => Ok(answer),
+            Hindrance::Met(trouble) => Ok(Answer::failed(trouble.of_task()?.to_string())),
+        }
+    }
+}
+
+impl From<Answer> for Hindrance {
+    fn from(answer: Answer) -> Hindrance {
+        Hindrance::Said(answer)
+    }
+}
+
+impl<T: Into<Trouble>> From<T> for Hindrance {
+    fn from(trouble: T) -> Hindrance {
+        Hindrance::Met(trouble.into())
+    }
+}
 
 /// What is said to a request.
 pub(super) struct Answer {
@@ -110,45 +127,24 @@ impl From<Reply> for Answer {
 }
 
 impl RequestKind {
-    /// One without words, which needs nothing.
-    const fn new(doing: [&'static str; 2], act: Act) -> RequestKind {
-        RequestKind { doing, words: Words::NONE, needs_body: false, act }
-    }
-
-    /// By which it is told or asked to do it.
-    const fn told(mut self, patterns: &'static str) -> RequestKind {
-        self.words.told = patterns;
-        self
-    }
-
-    /// By which an answer is asked for.
-    const fn asked(mut self, patterns: &'static str) -> RequestKind {
-        self.words.asked = patterns;
-        self
-    }
-
-    /// By which it is asked of what was.
-    const fn past(mut self, patterns: &'static str) -> RequestKind {
-        self.words.past = patterns;
-        self
-    }
-
-    /// By which it is meant where something is denied.
-    const fn denied(mut self, patterns: &'static str) -> RequestKind {
-        self.words.denied = patterns;
-        self
-    }
-
-    /// By which it is said alone, in whatever sentence.
-    const fn said(mut self, patterns: &'static str) -> RequestKind {
-        self.words.said = patterns;
-        self
+    const fn new(doing: [&'static str; 2], act: Act, words: &'static str) -> RequestKind {
+        RequestKind { doing, words, needs_body: false, act }
     }
 
     /// It must know its body for it.
     const fn needs_body(mut self) -> RequestKind {
         self.needs_body = true;
         self
+    }
+}
+
+/// What a request asks for, as it says it, and when it is done.
+pub(super) fn doing(intent: Intent, part: Option<&PartName>) -> [String; 2] {
+    match (intent.kind(), part) {
+        (Some(_), Some(part)) if intent == Intent::TouchOwn => {
+            ["touch", "touched"].map(|verb| format!("{verb} my {}", part.text()))
+        }
+        (kind, _) => kind.map_or(["do that", "did that"], |kind| kind.doing).map(String::from),
     }
 }
 
@@ -173,9 +169,9 @@ macro_rules! requests {
 
 requests! {
     /// That something is not done.
-    Dont => prohibiting::DONT;
+    Dont => minding::DONT;
     /// That it does not move.
-    KeepStill => keeping_still::KEEP_STILL;
+    KeepStill => minding::KEEP_STILL;
     /// That it leans forward, and tries again what failed.
     LeanForward => leaning::LEAN_FORWARD;
     /// That it is upright again.
@@ -187,9 +183,9 @@ requests! {
     /// To know what it knows of a stick.
     StickKnown => taking_stick::STICK_KNOWN;
     /// That things are forgotten.
-    Forget => forgetting::FORGET;
+    Forget => minding::FORGET;
     /// To know how many things it found.
-    HowMany => counting::HOW_MANY;
+    HowMany => exploring::HOW_MANY;
     /// To know whether it reaches a thing, and how.
     NearOrFar => locating::NEAR_OR_FAR;
     /// To know where a part of its body is.
@@ -197,17 +193,17 @@ requests! {
     /// To know how far away a thing is.
     HowFar => locating::HOW_FAR;
     /// That it feels how a thing is shaped.
-    FeelShape => feeling_shape::FEEL_SHAPE;
+    FeelShape => shape::FEEL_SHAPE;
     /// To know how big a thing is.
-    HowBig => shape_known::HOW_BIG;
+    HowBig => shape::HOW_BIG;
     /// To know what shape a thing has.
-    WhatShape => shape_known::WHAT_SHAPE;
+    WhatShape => shape::WHAT_SHAPE;
     /// That it feels itself over, to know its body as it is now.
-    FeelOver => feeling_over::FEEL_OVER;
+    FeelOver => own_body::FEEL_OVER;
     /// To know where something is felt.
     WhereFelt => locating::WHERE_FELT;
     /// That a part of its own body is touched.
-    TouchOwn => touching_own::TOUCH_OWN;
+    TouchOwn => own_body::TOUCH_OWN;
     /// That a thing is put to its left or right.
     PutAside => putting::PUT_ASIDE;
     /// That a thing is brought near.
@@ -215,41 +211,41 @@ requests! {
     /// That a thing is put far away.
     PutFar => putting::PUT_FAR;
     /// That it gets out of the way.
-    Avoid => avoiding::AVOID;
+    Avoid => own_body::AVOID;
     /// That what it holds is let go.
-    LetGo => letting_go::LET_GO;
+    LetGo => holding::LET_GO;
     /// That a thing is picked up.
-    Lift => lifting::LIFT;
+    Lift => holding::LIFT;
     /// To know what it did.
-    Report => reporting::REPORT;
+    Report => talking::REPORT;
     /// To know what it feels.
     WhatFelt => locating::WHAT_FELT;
     /// To know whether something is there.
     Explore => exploring::EXPLORE;
     /// That it goes back to rest.
-    Rest => resting::REST;
+    Rest => leaning::REST;
     /// That a thing is touched.
     Touch => touching::TOUCH;
     /// To know who it is.
-    Who => meeting::WHO;
+    Who => talking::WHO;
     /// To know what it can do.
-    Help => helping::HELP;
+    Help => talking::HELP;
     /// That what was done before is done again.
-    Repeat => repeating::REPEAT;
+    Repeat => leaning::REPEAT;
     /// That the conversation ends.
-    Quit => quitting::QUIT;
+    Quit => minding::QUIT;
     /// That it stops.
-    Stop => stopping::STOP;
+    Stop => minding::STOP;
     /// No.
-    No => answering::NO;
+    No => talking::NO;
     /// Yes.
-    Yes => answering::YES;
+    Yes => talking::YES;
     /// Thanks.
-    Thanks => meeting::THANKS;
+    Thanks => talking::THANKS;
     /// A greeting.
-    Greet => meeting::GREET;
+    Greet => talking::GREET;
     /// The answer to which of several things.
-    Which => answering::WHICH;
+    Which => talking::WHICH;
 }
 
 impl Intent {

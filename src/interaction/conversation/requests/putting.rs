@@ -1,7 +1,8 @@
 //! "Put it as far away as possible", "bring it near", and "push it to the left".
 
 use super::super::Conversation;
-use super::{Act, Acted, Answer, RequestKind, SLIPPED};
+use super::super::speaking::cm;
+use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::conversation::grammar::{Aside, Request};
 use crate::interaction::tasks::{Spot, tried};
 use crate::interaction::things::KnownThing;
@@ -23,82 +24,60 @@ const EFFORT: usize = 2;
 
 pub(super) const PUT_FAR: RequestKind = RequestKind::new(
     ["put it far away", "put it far away"],
-    Act::Handles(|creature, thing, request, _| creature.put(Goal::Far, thing, request)),
-)
-.said("^ to FAR end|side|edge ; ^ FAR $ ; ^ ON other|opposite end|side")
-.told(
-    "PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR ; \
-         PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across ; \
-         PUT|PUSH|PULL|take|get|carry THING|SOME ?straight|right|ALL ?way \
-         out|FORWARD|outward|outwards|across|beyond|aside|yonder ; \
-         PUT|PUSH|take|get|carry|REACH|hold .. arms|BODY|full|at|arm|maximum|max|maximal|your \
-         LENGTH|extent|range ; get|be|make ?yourself rid of ; \
-         increase|widen|maximise|maximize|extend|lengthen ?its|THING GAP ; PUSH THING|SOME ; \
-         give THING ?BIT ?GOOD PUSH ; ^ ?as FAR ?away|off as .. ; \
-         ^ PUT|PUSH|take|move ?as|so|very|BIT|MORE FAR ; PUT|PUSH|get|take|carry THING|SOME out of ; \
-         ^ ?even|as|much|BIT FARTHER ?away|off|out|as $ ; ^ ?BIT FARTHER ; ^ ?BIT MORE FARTHER ; \
-         MORE GAP|distance|space|room between|from ; make|LET THING ?be|GO|stand ?MORE FAR ; \
-         THING at a distance ; THING to FAR end ; FAR with THING ; away with THING ; \
-         THING ?to ?could|should|must ?to =be|GO ?even|BIT ?MORE FAR ; \
-         PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between ; \
-         PUT|PUSH|take THING ON ?very|far other|far|opposite|back end|side|edge|of|part ; \
-         THING as FAR as|possible ; as FAR as .. ; PUSH THING|SOME FAR ?from ?you ; \
-         PUT THING FAR ?from you|BODY|here ; THING FAR & !be|how|where|which ; PUSH|PUT THING away|off ; \
-         ^ PUSH $ ; send|throw|toss|thrust THING ; \
-         PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring & THING|SOME & \
-         FAR & !NEAR|too|or|how ; PUT|PUSH & THING|SOME & GAP|LENGTH|RANGE ; THING .. way off|away|out ; \
-         THING .. only|just|barely REACH ; PUT|PUSH .. THING .. where .. only|just|barely ; \
-         GAP THING from ; \
-         THING at|on|to ?its ?very FAR|back|other|opposite|maximum|greatest end|edge|side|back|GAP|place ; \
-         make|clear room|space ; THING .. FAR ?away|off & !be|how|where|which|NEAR|too ; \
-         PUT|PUSH|get|take|bring|GO THING .. ON other|opposite|far|back end|side|edge|half ; \
-         ^ WANTED .. FAR & THING & !too|how|NEAR|or ; rid|shot of THING ; FAR ?ANY with THING ; \
-         out ?to ?edge|end with THING ; FAR corner|end|side|edge",
+    Act::Handles(|creature, thing, request| creature.put(Goal::Far, thing, request)),
+    "said: ^ ON other|opposite end|side ; told: \
+     PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR ; \
+     PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across ; \
+     PUT|PUSH|PULL|take|get|carry THING|SOME ?straight|right|ALL ?way \
+     out|FORWARD|outward|outwards|across|beyond|aside|yonder ; PUT|PUSH|take|get|carry|REACH|hold .. \
+     arms|BODY|full|at|arm|maximum|max|maximal|your LENGTH|extent|range ; get|be|make ?yourself rid of ; \
+     increase|widen|maximise|maximize|extend|lengthen ?its|THING GAP ; PUSH THING|SOME ; give THING ?BIT \
+     ?GOOD PUSH ; ^ ?as FAR ?away|off as .. ; ^ PUT|PUSH|take|move ?as|so|very|BIT|MORE FAR ; ^ ?BIT \
+     FARTHER ; ^ ?BIT MORE FARTHER ; MORE GAP|distance|space|room between|from ; make|LET THING \
+     ?be|GO|stand ?MORE FAR ; THING at a distance ; THING ?to ?could|should|must ?to =be|GO ?even|BIT ?MORE \
+     FAR ; PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between ; PUT|PUSH|take THING ON \
+     ?very|far other|far|opposite|back end|side|edge|of|part ; THING as FAR as|possible ; as FAR as .. ; ^ \
+     PUSH $ ; PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring & \
+     THING|SOME & FAR & !NEAR|too|or|how ; PUT|PUSH & THING|SOME & GAP|LENGTH|RANGE ; THING .. way \
+     off|away|out ; THING .. only|just|barely REACH ; PUT|PUSH .. THING .. where .. only|just|barely ; GAP \
+     THING from ; THING at|on|to ?its ?very FAR|back|other|opposite|maximum|greatest \
+     end|edge|side|back|GAP|place ; make|clear room|space ; THING .. FAR ?away|off & \
+     !be|how|where|which|NEAR|too ; PUT|PUSH|get|take|bring|GO THING .. ON other|opposite|far|back \
+     end|side|edge|half ; ^ WANTED .. FAR & THING & !too|how|NEAR|or ; rid|shot of THING ; FAR ?ANY with \
+     THING ; out ?to ?edge|end with THING ; FAR corner|end|side|edge",
 )
 .needs_body();
 
 pub(super) const BRING_NEAR: RequestKind = RequestKind::new(
     ["bring it near", "brought it near"],
-    Act::Handles(|creature, thing, request, _| creature.put(Goal::Near, thing, request)),
-)
-.said("^ ?over this way $ ; ^ ?NEAR ON you|yourself $ ; ^ NEAR $")
-.told(
-    "PULL ?THING|SOME ?BIT NEAR & !FAR ; PULL ?me THING|SOME & !FAR|away|off|UP ; \
-         PUT|PUSH|PULL|take|get|make|have|let|LET|want|carry THING|SOME ?BIT ?MORE ?right|UP|over|back|in \
-         ?to NEAR & !FAR ; \
-         PUT|PUSH|PULL|take|get|make|carry THING|SOME .. ?right|over|up|just|back ?close|near \
-         ON|by|near|beside|next|before|against|into ?in ?front ?of ?your|to ?own \
-         you|me|yourself|PART|here|body|lap & !FAR|away ; \
-         THING ?to ?could|should|must ?to =be|GO ?BIT ?MORE NEAR ; ^ ?BIT ?MORE =closer|=nearer ?please $ ; \
-         ^ BIT ?MORE NEAR ; \
-         reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?its|your GAP ; \
-         ^ PULL|fetch|draw|drag $ ; come ?BACK|NEAR with THING ; make THING ?come|be ?MORE NEAR ; \
-         ^ ?over here $ ; THING NEAR & !be ; THING right in front of you|yourself|BODY ; \
-         PULL THING ?BACK in|up|back|over|here|ON|your|closer ; PULL THING ON you|yourself|BODY|me ; \
-         PUSH|PUT THING your way ; PULL in THING ; shift|PUSH THING ON you|yourself|BODY|me ; PULL BACK ; \
-         PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring|return & \
-         THING|SOME & NEAR & !FAR|too|or|how ; \
-         PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set THING|SOME .. \
-         ON|next|before|beside|by|near ?to you|yourself|me ; \
-         PUT|PUSH|PULL|move|bring THING|SOME this|your way ; PULL THING|SOME in ; \
-         THING ?right next|beside|before|by ?to you|yourself|me|PART ; \
-         PUT|PUSH|PULL|bring THING .. your|this way|direction ; \
-         ^ WANTED .. NEAR & THING & !too|how|FAR|or ; NEAR with THING ; to ?your BODY|you with THING ; \
-         ^ WANTED at|by|near BODY|you ; ^ in front of BODY|you $ ; come .. with THING ; THING by BODY|you",
+    Act::Handles(|creature, thing, request| creature.put(Goal::Near, thing, request)),
+    "said: ^ ?over this way $ ; ^ ?NEAR ON you|yourself $ ; ^ NEAR $ ; told: PULL ?THING|SOME ?BIT NEAR & \
+     !FAR ; PULL ?me THING|SOME & !FAR|away|off|UP ; PUT|PUSH|PULL|take|get|make|have|let|LET|want|carry \
+     THING|SOME ?BIT ?MORE ?right|UP|over|back|in ?to NEAR & !FAR ; PUT|PUSH|PULL|take|get|make|carry \
+     THING|SOME .. ?right|over|up|just|back ?close|near ON|by|near|beside|next|before|against|into ?in \
+     ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap & !FAR|away ; THING ?to ?could|should|must \
+     ?to =be|GO ?BIT ?MORE NEAR ; ^ ?BIT ?MORE =closer|=nearer ?please $ ; ^ BIT ?MORE NEAR ; \
+     reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?its|your GAP ; ^ \
+     PULL|fetch|draw|drag $ ; come ?BACK|NEAR with THING ; make THING ?come|be ?MORE NEAR ; ^ ?over here \
+     $ ; THING NEAR & !be ; THING right in front of you|yourself|BODY ; PULL THING ?BACK \
+     in|up|back|over|here|ON|your|closer ; PULL in THING ; shift|PUSH THING ON you|yourself|BODY|me ; PULL \
+     BACK ; PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring|return & \
+     THING|SOME & NEAR & !FAR|too|or|how ; PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set \
+     THING|SOME .. ON|next|before|beside|by|near ?to you|yourself|me ; PUT|PUSH|PULL|move|bring THING|SOME \
+     this|your way ; THING ?right next|beside|before|by ?to you|yourself|me|PART ; PUT|PUSH|PULL|bring \
+     THING .. your|this way|direction ; ^ WANTED .. NEAR & THING & !too|how|FAR|or ; NEAR with THING ; to \
+     ?your BODY|you with THING ; ^ in front of BODY|you $ ; THING by BODY|you",
 )
 .needs_body();
 
 pub(super) const PUT_ASIDE: RequestKind = RequestKind::new(
     ["move it to the side", "moved it to the side"],
-    Act::Handles(|creature, thing, request, _| match request.aside {
+    Act::Handles(|creature, thing, request| match request.aside {
         Some(aside) => creature.put(Goal::Aside(aside), thing, request),
         None => Ok(Answer::failed("I do not know to which side I am to move it")),
     }),
-)
-.told(
-    "SIDE ; PUT|PUSH|PULL|take|get|give|make|keep|want .. SIDE ; VERB .. SIDE ; \
-         PUT|PUSH|PULL|take|get THING|SOME ?BIT SIDE ; THING|SOME & SIDE ; PUSH|PUT & THING|SOME & SIDE ; \
-         THING|SOME .. SIDE ; SIDE with THING ; ^ SIDE ; ^ PUSH|PUT|GO SIDE",
+    "told: SIDE ; PUT|PUSH|PULL|take|get|give|make|keep|want .. SIDE ; VERB .. SIDE ; PUSH|PUT & THING|SOME \
+     & SIDE",
 )
 .needs_body();
 
@@ -112,16 +91,9 @@ enum Goal {
 
 impl Conversation {
     fn put(&mut self, goal: Goal, thing: &KnownThing, request: &Request) -> Acted {
-        let (far, lean) = (matches!(goal, Goal::Far), request.lean);
-        let receptor = match self.in_hand(thing, self.hand_for(request.hand), lean)? {
-            Ok(receptor) => receptor,
-            Err(answer) => return Ok(answer),
-        };
-        if !self.actor.hold(receptor) {
-            self.things.parted();
-            return Ok(Answer::failed(SLIPPED));
-        }
-        if far && lean {
+        let lean = request.lean;
+        let receptor = self.in_hand(thing, self.hand_for(request.hand), lean)?;
+        if matches!(goal, Goal::Far) && lean {
             // Where the other arm cannot make way, what is left is found all the same.
             tried(self.actor.make_way_to_lean(receptor, EFFORT))?;
         }
@@ -132,28 +104,23 @@ impl Conversation {
             self.actor.let_go();
             return Ok(Answer::failed("I find no place for it that I reach"));
         };
-        let stands = match self.actor.put(receptor, &spot, lean) {
-            Ok(stands) => stands,
-            Err(trouble) => {
-                let trouble = self.in_words(&trouble.of_task()?);
-                self.actor.let_go();
-                return Ok(Answer::failed(format!("I held it, but did not get it there: {trouble}")));
-            }
-        };
-        let mut at = stands;
-        if let Some(known) = self.things.get_mut(thing.id) {
-            known.carried(&(stands - point));
-            at = known.at;
+        let stands = self.actor.put(receptor, &spot, lean).map_err(|trouble| {
+            self.actor.let_go();
+            self.hindered("I held it, but did not get it there", trouble)
+        })?;
+        let moved = stands - point;
+        if let Some(known) = self.mind.things.get_mut(thing.id) {
+            known.carried(&moved);
         }
-        let rest = if self.settle_at_ready() { "" } else { "; my hand is still there" };
+        let at = self.mind.things.get(thing.id).map_or(stands, |known| known.at);
+        let rest = if self.settle() { "" } else { "; my hand is still there" };
         let how = if lean { "I leaned forward and" } else { "I" };
         let done = match goal {
             Goal::Far => "put it as far away as I could".to_string(),
             Goal::Near => "put it near me".to_string(),
             Goal::Aside(aside) => {
-                let side = if aside.left { "left" } else { "right" };
-                let left = 100.0 * (stands - point).dot(&self.actor.left());
-                format!("moved it {:.0} cm to my {side}", if aside.left { left } else { -left })
+                let (side, left) = (if aside.left { "left" } else { "right" }, moved.dot(&self.actor.left()));
+                format!("moved it {} to my {side}", cm(if aside.left { left } else { -left }))
             }
         };
         Ok(Answer::done(format!("{how} {done}: it is {} now{rest}", self.place(&at))))
@@ -162,26 +129,23 @@ impl Conversation {
     /// Where what a receptor holds is to be put.
     fn spot_for(&mut self, goal: Goal, receptor: usize, lean: bool) -> Option<Spot> {
         let actor = &mut self.actor;
-        let (point, _) = actor.feels_at(receptor);
-        let limb = actor.own.place(receptor).limb;
-        let upright = actor.frames()[limb].rotation.tr_mul(&actor.up);
-        let height = point.dot(&actor.up);
-        let (front, left, up) = (actor.front, actor.left(), actor.up);
+        let (point, (front, left, up)) = (actor.feels_at(receptor).0, (actor.front, actor.left(), actor.up));
+        let height = point.dot(&up);
         match goal {
-            Goal::Far => actor.farthest(receptor, height, upright, lean, EFFORT),
+            Goal::Far => actor.farthest(receptor, height, actor.upright(receptor).direction, lean, EFFORT),
             Goal::Near => {
                 let edge = actor.trunk_front(actor.table.unwrap_or(height));
                 let side = actor.arm_of(receptor).map_or(0.0, |hand| actor.side(hand));
                 let near = |k: u32| front * (edge + NEAR + STEP * f64::from(k)) + up * height;
                 let places = (0..STEPS).flat_map(|k| ACROSS.map(|by| near(k) + left * (side * by)));
-                actor.spot_at(receptor, places, upright)
+                actor.spot_at(receptor, places)
             }
             Goal::Aside(aside) => {
                 let way = if aside.left { left } else { -left };
                 let far = aside.by.unwrap_or(ASIDE);
                 // What is too far is left out, as long as anything of it is left.
                 let shorter = (0..STEPS).map(|k| far * (1.0 - f64::from(k) / f64::from(STEPS)));
-                actor.spot_at(receptor, shorter.map(|far| point + way * far), upright)
+                actor.spot_at(receptor, shorter.map(|far| point + way * far))
             }
         }
     }

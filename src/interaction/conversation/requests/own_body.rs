@@ -1,0 +1,224 @@
+//! What is about its own body: "touch your nose", "has your body changed?", "watch out".
+
+use super::super::speaking::cm;
+use super::super::{Conversation, OwnSpot, Pending};
+use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
+use crate::interaction::avoiding::Avoiding;
+use crate::interaction::body_part;
+use crate::interaction::conversation::grammar::{Leave, Request};
+use crate::interaction::tasks::{FeltOver, Trouble, tried};
+use crate::named::in_words;
+
+/// Places of a part that are tried, the one that it is first.
+const TRIES: usize = 6;
+/// Skin this near to a part is that part, metres: a patch's width.
+const NEAR: f64 = 0.01;
+/// How long it watches, seconds of its own time, …
+const WATCHING: f64 = 5.0;
+/// … how far joints have gone where it got out of a way, radians.
+const MOVED: f64 = 0.02;
+
+pub(super) const TOUCH_OWN: RequestKind = RequestKind::new(
+    ["touch myself there", "touched myself"],
+    Act::Moves(Conversation::touch_part),
+    "told: FIND PART with|HAND ; TOUCH|TEND|FEEL BODY ; \
+     PUT|get|keep|have|bring|press|point|raise|lift|STRETCH|REACH|hold|let|LET|take|PULL|PUSH|guide ?one \
+     ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight \
+     ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; PUT ?finger|hand|HAND \
+     ON BODY ; get|take|catch|have|lay|keep|GRAB hold of BODY ; ^ HAND ?and PART $ ; ^ PART with|by ?your \
+     HAND $ ; ^ PART HAND $ ; HAND ?should|must|be|GO ?be|go ON|over BODY ; BODY .. HAND ON THING|PART ; \
+     BODY .. HAND ON ; PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give THING|PART ; ^ PART TOUCH|TEND ; with|by \
+     HAND .. BODY ; make|get|establish contact|touch|CONTACT with|between|ON BODY ; TOUCH|TEND yourself ; \
+     TOUCH|TEND yourself ON PART ; BODY and BODY together ; point at|ON BODY ; REACH \
+     ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY ; give BODY ?GOOD ?BIT \
+     TOUCH|TEND|rub ; give BODY a ; GRAB|hold onto|ON BODY ; PUT|PULL|get|move BODY .. ON|near BODY ; \
+     go|head for|to BODY ; GRAB BODY ; PART & HAND & TOUCH|GRAB|PUT|REACH|USE|TEND|get ; ^ PART $ ; \
+     RUN|wipe|walk ?your HAND|finger .. PART ; TOUCH|TEND|GRAB|cup|hold .. PART ; HAND & PART & \
+     come|land|rest|GO|fall ; HAND .. ON BODY",
+)
+.needs_body();
+
+pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
+    ["feel myself over", "felt myself over"],
+    Act::Moves(|creature, _, _| creature.feel_over()),
+    "told: FEEL|TOUCH|pat ?your ?whole|entire yourself|body ?ALL ?over|everywhere|AGAIN|AROUND ; \
+     FEEL|TOUCH|pat yourself|BODY ALL|over|everywhere|anew|AROUND ; FEEL|TOUCH|pat ALL over ?your \
+     yourself|body|BODY ; CALIBRATE ; FIND|work out ?how|what|whether ?your body ; \
+     EXAMINE|FIND|see|test|check .. whether|if|how .. body|limbs|BODY .. changed|=changed|=same|as|still ; \
+     body|limbs .. changed ; EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. body|yourself|limbs & \
+     !stick ; give yourself|body .. once|check|feel|exam|examination ; update|refresh .. body|yourself ; \
+     GO|RUN ?HAND over|along ?your yourself|body|limbs ; FEEL|TOUCH ALL ?over ?of yourself|body ; self \
+     check|test|exam|calibration|CALIBRATE ; EXAMINE|check|test ?your PART ; body scan|check|test|exam ; ^ \
+     body SEARCH|EXAMINE ; do .. body EXAMINE ; asked: be ?your body ?still \
+     same|changed|different|=changed ; past: have BODY|your ?body changed|=changed",
+);
+
+pub(super) const AVOID: RequestKind = RequestKind::new(
+    ["get out of the way", "watched what came near"],
+    Act::Moves(|creature, _, _| creature.watch_out()),
+    "said: THING|SOME ?be =coming|=approaching|=flying|=heading ?UPRIGHT|right at|ON|for|your \
+     ?you|PART|way ; THING|SOME ?be =coming|=approaching|=flying|=moving ; ^ mind $ ; told: AVOID \
+     THING|SOME ; AVOID ; out of ?its|his|my|harm|THING way ; GO|keep|stay|steer|PULL|hold|stand \
+     ?yourself|BODY ?well clear ; GO|jump|stand|shift ?yourself|BODY ?out|over aside|SIDEWAYS ; \
+     watch|look|mind out ; make way|room ; GO|keep|stay|back|jump|draw|PULL ?yourself|BODY|PART ?BACK|well \
+     away|off|FAR ?from ?THING|SOME|what & !HAND ; keep|KEEP|maintain ?your|some ?safe distance ; PROTECT \
+     yourself|BODY ; get out ?of there|here $ ; ^ move $ ; ^ GO|jump BACK $ ; THING|SOME ?be \
+     =coming|=approaching|=flying ; let THING|SOME pass ; take cover|evasive ; shy|shrink|flinch|draw|back \
+     away ; incoming ; evasive ; give THING ?wide room|way|space|berth ; on your|guard guard ; beware ; \
+     mind your|the BODY|yourself ; heads|HEAD up ; move so .. miss|past ; get|be missed ; ^ ?be \
+     careful|alert|watchful $ ; GO|keep|stay|step|get ?yourself ?well ?right out|clear of ; mind|watch ?out \
+     ?for THING|SOME ; THING|SOME =comes|=approaches|=flies ; about to hit ; do not .. \
+     =hit|=touched|=struck ; GO|stay|keep ?yourself out of ?its range|reach|way|path ; =look|watch|mind out \
+     for THING ; clear off ; ^ out of there|it ; ^ danger ; denied: not|nothing|never LET|let THING|SOME \
+     ?at|ever hit|TOUCH|reach|bump|get|TEND|catch ; let nothing ; not get|be \
+     hit|=touched|=struck|caught|bumped & !THING ; not to get|be hit|=touched & !THING ; GO .. THING|SOME \
+     HELPING|do not hit|TOUCH|get|reach|catch|meet ; nothing|nobody TOUCH|hit|reach|get you|PART|BODY ; not \
+     THING hit|touch you|BODY ; not bump|run|collide into|with|ON ; avoid|dodge ?=being|=getting \
+     =hit|hit|it|THING ; without =being hit ; mind|watch THING|SOME =coming|=approaching ; take care not ; \
+     THING|SOME .. not hit|TOUCH|reach|bump|get|catch you|BODY",
+)
+.needs_body();
+
+impl Conversation {
+    fn touch_part(&mut self, request: &Request, _: &Leave) -> Acted {
+        let Some(part) = &request.part else {
+            return Ok(Answer::asks("Which part of me do you mean?"));
+        };
+        let found = body_part::find(&self.actor, part, self.hand_touching());
+        let found = found.map_err(|unknown| Answer::failed(unknown.to_string()))?;
+        let by = self.hand_for(request.hand);
+        if request.stick && self.actor.stick_tip().is_none() {
+            return Ok(Answer::failed("I hold no stick"));
+        }
+        self.let_be();
+        let mut trouble = None;
+        for part in &found {
+            // As the arms are, and then with the arm that it is on held out to the other.
+            for held_out in [false, true] {
+                if held_out && !tried(self.actor.present(part.receptors[0]))?.unwrap_or(false) {
+                    break;
+                }
+                for &receptor in part.receptors.iter().take(TRIES) {
+                    let touched = match request.stick {
+                        true => self.actor.touch_own_with_stick(receptor),
+                        false => self.actor.touch_own(receptor, by),
+                    };
+                    let this = match touched {
+                        Err(this) => this.of_task()?,
+                        Ok(touch) => {
+                            self.spot = Some(OwnSpot { receptor, by_stick: request.stick });
+                            let name = match request.stick {
+                                true => "stick".to_string(),
+                                false => self.hand_name(touch.hand),
+                            };
+                            let off = part.off(&self.actor, touch.felt);
+                            let (what, far) = if off < NEAR {
+                                ("", String::new())
+                            } else {
+                                ("myself ", cm(off) + " from ")
+                            };
+                            return Ok(Answer::done(format!(
+                                "I touch {what}{far}my {} with my {name}",
+                                part.name
+                            )));
+                        }
+                    };
+                    let met = matches!(this, Trouble::Hit(_) | Trouble::Nothing);
+                    trouble.get_or_insert((part.name.clone(), this));
+                    if met {
+                        self.settle();
+                    }
+                }
+            }
+        }
+        self.settle();
+        match trouble {
+            Some((name, trouble)) => Err(self.hindered(&format!("I cannot touch my {name}"), trouble)),
+            None => Ok(Answer::failed(format!("I have no skin at my {} that could be touched", part.text()))),
+        }
+    }
+
+    /// Feels itself over, and tells what has changed.
+    fn feel_over(&mut self) -> Acted {
+        self.let_be();
+        self.settle();
+        let found = self.actor.feel_over();
+        let found = found.map_err(|trouble| self.hindered("I could not touch myself all over", trouble))?;
+        // What he touched himself with was meant.
+        self.actor.take_unexpected();
+        if matches!(found, FeltOver::Changed { .. }) {
+            self.mind.forget_all();
+            self.search = None;
+            self.reachable.take();
+            self.ready = self.actor.ready();
+        }
+        self.settle();
+        Ok(match found {
+            FeltOver::Same { touches } => {
+                Answer::done(format!("I touched myself {touches} times: my body is as I know it"))
+            }
+            FeltOver::Changed { touches, joints } => {
+                let names = self.actor.own.creature().joints();
+                let told = joints.iter().map(|(joint, distance)| {
+                    let name = in_words(&names[*joint].name);
+                    format!("my {name} is {:.1} cm from where I had it", 100.0 * distance)
+                });
+                let told = told.collect::<Vec<_>>().join("; ");
+                Answer::done(format!(
+                    "I touched myself {touches} times, and my body has changed: {told}. I act by what I know of it now, and have to feel anew where the table is and what stands on it"
+                ))
+            }
+            FeltOver::Unexplained { touches } => Answer::failed(format!(
+                "I touched myself {touches} times: my body is not as I know it, and I did not find out how it has changed. I keep from acting by what I know of it"
+            )),
+            FeltOver::TooFew { touches: 0 } => Answer::failed(
+                "I know nothing of how sure I am of my body, so I cannot tell whether it has changed: I should babble anew",
+            ),
+            FeltOver::TooFew { touches } => Answer::failed(format!(
+                "I touched myself only {touches} times, which does not tell whether my body has changed"
+            )),
+        })
+    }
+
+    /// Says that it touched itself where it did not expect it, and asks whether to feel itself over, where that happened.
+    pub(in super::super) fn heed_unexpected(&mut self, reply: &mut Reply) {
+        let Some((receptors, off)) = self.actor.take_unexpected() else { return };
+        if reply.asks || self.pending.is_some() {
+            return;
+        }
+        let [a, b] = receptors.map(|receptor| self.limb_in_words(receptor));
+        let how = if off > 0.0 { "apart" } else { "in each other" };
+        reply.said += &format!(
+            " My {a} and my {b} touched where I had them {} {how}: my body may have changed. Shall I feel myself over?",
+            cm(off.abs().max(0.01))
+        );
+        reply.asks = true;
+        self.pending = Some(Pending::Whether(Request { intent: Intent::FeelOver, ..Request::default() }));
+    }
+
+    /// Watches for a while, out of the way of what comes.
+    fn watch_out(&mut self) -> Acted {
+        // What it touches it cannot keep away from: the arm first.
+        let touched = self.mind.things.iter().any(|known| known.in_touch.is_some());
+        self.let_be();
+        let before = self.actor.posture();
+        let mut avoiding = Avoiding::new(&mut self.actor);
+        let (mut seconds, mut met) = (0.0, false);
+        let step = self.actor.handle.timestep();
+        while seconds < WATCHING {
+            met |= !avoiding.step(&mut self.actor)?.is_empty();
+            seconds += step;
+        }
+        let moved = self.actor.posture().distance(&before) > MOVED;
+        let from = if touched { "I took my arm away from it, and watched" } else { "I watched" };
+        let said = match (moved, met) {
+            (true, false) => "I got out of the way of what came, and it did not touch me".to_string(),
+            (true, true) => "I moved out of the way of what came, but it touched me".to_string(),
+            (false, _) => {
+                let felt = if met { "; I feel a touch, but" } else { ":" };
+                format!("{from} for {WATCHING:.0} seconds{felt} nothing came at me")
+            }
+        };
+        Ok(Answer::does(said, !(moved && met)))
+    }
+}

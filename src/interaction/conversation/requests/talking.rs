@@ -1,0 +1,183 @@
+//! What is only answered: "hello", "thank you", "yes", "the nearer one", "who are you?", "what can you do?", "what did you do?"
+
+use super::super::Conversation;
+use super::super::grammar::{Request, UnknownWord};
+use super::super::mind::Deed;
+use super::super::speaking::sentence;
+use super::{Act, Answer, Intent, Reply, RequestKind, doing};
+
+/// What it can do, as it says it.
+const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt with either \
+hand, feel its shape, pick it up, put it as far away as possible, bring it near, let go; take a \
+stick and touch with it; touch my own body (\"touch your nose\"); \
+tell where a thing or a part of me is, how far, how many, how big, and whether I reach it; lean forward and back; get out of the \
+way of what comes; tell what I did; forget, do it again, rest, keep still. \"Quit\" ends our talk";
+/// How many of the last things that it did are told.
+const LAST: usize = 4;
+
+pub(super) const GREET: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
+    "said: GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; ^ GOOD|good \
+     morning|afternoon|evening|day ; ^ morning|evening|afternoon ; long time no see ; good to be back ; \
+     make your acquaintance ; asked: how be THING|life|everything|things|you|ALL ?going ; how do you do ; \
+     you|are|be ?you ok|okay|alright|well $ ; what be UP $ ; ^ be you there|=awake|wake $ ; ^ you =awake \
+     $ ; what be new",
+);
+
+pub(super) const THANKS: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(|_, _| Answer::tells("You are welcome")),
+    "said: THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much ; owe you ; impressed ; not \
+     thank you ; well|nicely =done|do ; ^ GOOD BEING|boy|one ; GOOD of you ; GOOD job|work|effort ; how \
+     kind ; THING be ?so ?very GOOD ; you be GOOD ; way to go ; i be ?so|very|really GOOD|THANKS|grateful ; \
+     very|so GOOD ; ^ what a GOOD ; ^ GOOD job|work|stuff|BEING|going|one ; ^ GOOD $ ; you nail THING ; you \
+     rock ; well play|=played ; i like how|what|that ; past: you =have =been ?GOOD help|GOOD ; you =did \
+     GOOD ; ^ that be ?so GOOD ?of ?you",
+);
+
+pub(super) const YES: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")),
+    "said: i agree ; that|THING suits|works|suit ; ^ that would be GOOD $ ; ^ well $ ; i \
+     think|suppose|guess|believe|hope so ; what i mean|want ; ^ make THING so ; you ?have =got|understand \
+     THING|me|right ; ^ YES ; ^ go ahead|on ; ^ go for it ; ^ DO it|so|that|THING $ ; ^ DO $ ; ^ of \
+     course ; ^ that|THING be right|correct|true|fine|it ; ^ by all means ; ^ you may|can|should $ ; ^ why \
+     not $ ; ^ sounds good|fine|right ; ^ that|THING be one|idea|case $ ; you ?have get|=got THING ; ^ \
+     you|uh huh $ ; ^ i|you do ; ^ ALL right $ ; ^ please $ ; ^ ?YES that|THING be THING $ ; ^ you bet ; ^ \
+     sounds GOOD ; you understand ?me|THING|right ; past: ^ you have|=got THING|that $",
+);
+
+pub(super) const NO: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(|_, _| Answer::tells("All right, I do nothing")),
+    "said: i disagree ; not what i mean|want ; i do not mean ; =misunderstood ; change|changed my mind ; ^ \
+     NO ; ^ wrong|incorrect|false ; ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; ^ \
+     that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ rather|better \
+     not ; ^ never|not $ ; ^ i would rather not ; ^ let us not ; ^ no thank|THANKS ?you ; i =said no ; ^ \
+     not ?now|today|yet|this|like ?now THANKS ; no|not .. bother|need $ ; past: you =got|get THING|that|me \
+     wrong",
+);
+
+pub(super) const WHICH: RequestKind = RequestKind::new(
+    ["", ""],
+    Act::Tells(Conversation::which),
+    "said: THING ?that i mean|want|need|think ; i be|was =talking|=thinking about|of THING ; about THING \
+     $ ; ^ ?not ?it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR \
+     ?your ?my ?left|right|side|front|back|mean|want|end|other $ ; ^ ON ?your|my left|right ; ^ \
+     first|second|third|last|left|right|NEAR|FAR $ ; ^ first|second|third|last THING ; ^ i \
+     mean|want|choose|pick|prefer|meant THING ; ^ either|whichever|any $ ; ^ either|whichever|any of \
+     THING ; ^ number NUMBER ; THING ?be THING ; ^ not THING THING ; say THING|first|second|last ; ^ \
+     leftmost|rightmost|either|whichever ?you ?like|want|please ; THING ?over ON left|right ; not matter \
+     which ; ^ left|right ?hand ?side one|THING ; which ?THING ?you like ; told: ^ choose|mean THING|one",
+);
+
+pub(super) const WHO: RequestKind = RequestKind::new(
+    ["tell who I am", "told who I am"],
+    Act::Tells(|creature, _| {
+        let name = sentence(creature.actor.own.creature().name());
+        Answer::tells(format!(
+            "I am {name}. I am blindfolded: I know my body from touching myself, and what is about me from what I feel"
+        ))
+    }),
+    "told: TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE ?BIT about yourself ; asked: \
+     who HELPING|be you ; who you be ; who i be ?=talking|=speaking ; who|what ?you|exactly be you ; \
+     who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; which|what KIND|BEING ?of \
+     ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; ^ ?and you be $ ; you have name ; be \
+     you ?called|named BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; how be you \
+     =called ; call|named|name you ; you be BEING|right|real ; who be =speaking|=talking|there|this ; what \
+     you be|call|called ; about yourself ; what HELPING|be i call you ; be this|that BEING ; who go|be \
+     there|this ; which|what BEING be this|THING|you ; what be this program ; identify|introduce yourself",
+);
+
+pub(super) const HELP: RequestKind = RequestKind::new(
+    ["help", "helped"],
+    Act::Tells(|_, _| Answer::tells(ABILITIES)),
+    "said: ^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does \
+     THING|it work ; ^ i be stuck|lost|confused ; ^ COMMANDS ?please $ ; ^ sos ; told: give|show ?me|us .. \
+     COMMANDS ; guide|instruct|help|assist|teach me ; walk me through ; asked: what ?all you can|could|may \
+     do ; how this|THING|that work ; what to SPEAK|TELL|do ; what ?else|ALL|things|KIND|sort ?of \
+     ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
+     what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; what be you able|capable|good|for ; \
+     what|which|list|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS ; help ?me|us ?out \
+     $ ; how HELPING|do i|we SPEAK|USE|TELL|get|make|work|GIVE ; what be possible ; what be my|the \
+     options|choices|possibilities ; what HELPING be =done|=asked|=said|done|asked ; be there ?any \
+     COMMANDS|help ; TELL ?me what you HELPING|KNOW|do|understand ; what you HELPING|understand|KNOW $ ; \
+     how .. ?to USE you ; what KIND|sort .. requests|COMMANDS ; what i HELPING|do ; how HELPING i ; be \
+     there SOME ?that you HELPING ; how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING \
+     do ; how do you work|function ; what next|now|else $ ; show me what you ?have ?got|can|know ; ^ \
+     COMMANDS",
+);
+
+pub(super) const REPORT: RequestKind = RequestKind::new(
+    ["report", "reported"],
+    Act::Tells(Conversation::report),
+    "told: ^ summarise|summarize|recap|recount|sum ; TELL|give ?me|us ?short|brief \
+     story|summary|report|account|recap|rundown ; update|brief|debrief me ; fill me in ; the \
+     result|outcome|upshot|summary|story ; asked: if|whether THING|that|you =worked|work|PAST|have|did ; \
+     what you =did|=have|PAST ; how many times ; what ?have HAPPEN ; how do|be THING|that go|went|turn ; \
+     success|successful ; what be result|outcome|upshot ; what =went|=goes wrong|well|right ; be \
+     you|THING|ALL =done|=finished|finish|successful|through ; any luck|success|progress|news ; \
+     summary|report|recap|recount ; status|progress ; what be|have you|HAND =doing|=done ; ^ ?ALL \
+     =done|=finished $ ; how would THING go ; =going|=happening on ; past: you ; what|how|where =went|go ; \
+     how many time|times & you ; you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
+     THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; ^ ?so|and =did|=has|=had|=was|=have \
+     THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; anything ; ^ HELPING|be you|THING|SOME ; \
+     how .. that ; what come|came of|out ; what have =been",
+);
+
+impl Conversation {
+    /// What words mean is meant from when they were heard on.
+    fn which(&self, request: &Request) -> Answer {
+        let things = &self.mind.things;
+        Answer::tells(match (self.mind.find(&self.actor, request.which), things.it()) {
+            (Some(known), _) => format!("You mean the one {}", self.place(&known.at)),
+            (None, Some(known)) if things.len() == 1 => {
+                format!("I know of one thing only, {}", self.place(&known.at))
+            }
+            _ if things.is_empty() => "I have not felt anything yet, so I do not know which you mean".into(),
+            _ => format!("I do not know which one you mean. {}", self.question()),
+        })
+    }
+
+    fn report(&self, request: &Request) -> Answer {
+        let asked = |deed: &&Deed| {
+            request.about.is_none_or(|about| {
+                let touch = about == Intent::Touch;
+                // "What did you touch?" is about its own body as well.
+                let own = touch && request.open && deed.intent == Intent::TouchOwn;
+                deed.intent == about || (touch && deed.touched) || own
+            })
+        };
+        let deeds: Vec<&Deed> = self.mind.deeds.iter().filter(asked).collect();
+        let last: Vec<&str> = deeds.iter().rev().take(LAST).rev().map(|deed| deed.words.as_str()).collect();
+        Answer::tells(match (request.about.filter(|_| !request.open), last.as_slice()) {
+            (None, []) if self.mind.deeds.is_empty() => "I have not done anything yet".to_string(),
+            (None, []) => "I have done nothing of that kind".to_string(),
+            (None, told) => format!("I {}", told.join("; then I ")),
+            (Some(about), []) => format!("No, I did not {}", doing(about, None)[0]),
+            (Some(_), [.., latest]) => match deeds.iter().rev().find(|deed| deed.done) {
+                Some(deed) => format!("Yes: I {}", deed.words),
+                None => format!("No: I {latest}"),
+            },
+        })
+    }
+
+    /// What it says where it did not understand: why, and three examples that fit what it knows by now.
+    pub(in super::super) fn not_understood(&self, unknown: &[UnknownWord]) -> Reply {
+        let things = &self.mind.things;
+        let examples = match (things.is_empty(), things.iter().any(|known| known.in_touch.is_some())) {
+            (true, _) => ["is there something in front of you?", "touch your nose", "what can you do?"],
+            (_, false) => ["touch it with your left hand", "is it near or far?", "is there anything else?"],
+            (_, true) => {
+                ["where do you feel this?", "touch it with your other hand", "put it as far away as possible"]
+            }
+        };
+        let told = unknown.first().map_or("I did not understand that".to_string(), UnknownWord::in_words);
+        let examples = examples.join("\", \"");
+        self.reply(
+            Intent::Unknown,
+            Answer::tells(format!("{told}. I understand, for example: \"{examples}\"")),
+        )
+    }
+}
