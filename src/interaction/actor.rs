@@ -69,6 +69,16 @@ pub enum Stop {
     Felt(Vec<SkinContact>),
 }
 
+impl Stop {
+    /// What was felt, if anything was.
+    pub fn felt(self) -> Vec<SkinContact> {
+        match self {
+            Stop::Arrived => Vec::new(),
+            Stop::Felt(contacts) => contacts,
+        }
+    }
+}
+
 /// Something that was felt, and where that was.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundThing {

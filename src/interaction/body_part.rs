@@ -5,7 +5,6 @@
 //! behind the joint of this name.
 
 use std::collections::BTreeSet;
-use std::fmt;
 
 use nalgebra::Vector3;
 
@@ -73,28 +72,6 @@ impl BodyPart {
         ((at(receptor) - at(first)).norm() - half(first)).max(0.0)
     }
 }
-
-/// Why a part is not known.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum UnknownPart {
-    /// It has no part of this name.
-    NoSuchPart(String),
-    /// It is not told which.
-    WhichHand,
-}
-
-impl fmt::Display for UnknownPart {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            UnknownPart::NoSuchPart(name) => write!(f, "I know of no {name} of mine"),
-            UnknownPart::WhichHand => {
-                write!(f, "I do not know which is the other one: name the left or the right")
-            }
-        }
-    }
-}
-
-impl std::error::Error for UnknownPart {}
 
 /// How skin of an everyday name is found.
 enum Rule {
@@ -196,25 +173,24 @@ const EVERYDAY: &[Everyday] = &[
 /// the hand that acts now, of which the other is "the other".
 ///
 /// # Errors
-/// [`UnknownPart`].
-pub(super) fn find(
-    actor: &Actor,
-    part: &PartName,
-    touching: Option<usize>,
-) -> Result<Vec<BodyPart>, UnknownPart> {
+/// Why it is not known, in words.
+pub(super) fn find(actor: &Actor, part: &PartName, touching: Option<usize>) -> Result<Vec<BodyPart>, String> {
     let body = PosedBody::new(actor);
     let mut words: Vec<String> = part.words.clone();
     if words.first().is_some_and(|word| word == "other") {
         let left = usize::from(actor.side(0) < 0.0);
-        let other = 1 - touching.ok_or(UnknownPart::WhichHand)?;
+        let which = "I do not know which is the other one: name the left or the right";
+        let other = 1 - touching.ok_or(which)?;
         words[0] = if other == left { "left" } else { "right" }.into();
     }
     words.retain(|word| word != "both" && word != "own");
+    let tip = words.len() > 1 && words.last().is_some_and(|last| last == "tip");
+    let (name, words) = (words.join(" "), &words[..words.len() - usize::from(tip)]);
     let found = body
-        .by_own_name(&words)
-        .or_else(|| body.by_everyday_name(&words))
-        .or_else(|| body.by_part_of_name(&words));
-    found.filter(|found| !found.is_empty()).ok_or(UnknownPart::NoSuchPart(part.text()))
+        .by_own_name(&name, words, tip)
+        .or_else(|| body.by_everyday_name(words, tip))
+        .or_else(|| body.by_part_of_name(name, words, tip));
+    found.filter(|found| !found.is_empty()).ok_or(format!("I know of no {} of mine", part.text()))
 }
 
 /// A body at ease, in which skin is told apart by where it lies.
@@ -292,6 +268,11 @@ impl PosedBody<'_> {
         (self.actor.front * front + outward * side + self.actor.up * up).normalize()
     }
 
+    /// A part of skin, or its tip; `None` if there is no such skin.
+    fn part(&self, name: String, receptors: Vec<usize>, tip: bool) -> Option<BodyPart> {
+        if tip { self.tip(name, receptors) } else { self.whole(name, receptors) }
+    }
+
     /// A part of skin that is as good everywhere: that nearest to its middle first.
     fn whole(&self, name: String, receptors: Vec<usize>) -> Option<BodyPart> {
         let count = receptors.len().max(1) as f64;
@@ -324,42 +305,23 @@ impl PosedBody<'_> {
     }
 
     /// By a name that a limb, an aura, a patch of skin or a joint has.
-    fn by_own_name(&self, words: &[String]) -> Option<Vec<BodyPart>> {
-        let name = words.join(" ");
-        let (tip, words) = match words.split_last() {
-            Some((last, rest)) if last == "tip" && !rest.is_empty() => (true, rest),
-            _ => (false, words),
-        };
-        let sided = |side: &str| {
-            let mut words = words.to_vec();
-            words.insert(0, side.to_string());
-            words
-        };
-        let whole = |name: String, receptors: Vec<usize>| {
-            if tip { self.tip(name, receptors) } else { self.whole(name, receptors) }
-        };
+    fn by_own_name(&self, name: &str, words: &[String], tip: bool) -> Option<Vec<BodyPart>> {
         let exact = self.region(words);
         if !exact.is_empty() {
-            return Some(whole(name, exact).into_iter().collect());
+            return Some(self.part(name.to_string(), exact, tip).into_iter().collect());
         }
-        let both = ["left", "right"].map(|side| (side, self.region(&sided(side))));
-        let both: Vec<BodyPart> = both
-            .into_iter()
-            .filter(|(_, receptors)| !receptors.is_empty())
-            .filter_map(|(side, receptors)| whole(format!("{side} {name}"), receptors))
-            .collect();
-        (!both.is_empty()).then_some(both)
+        let both = ["left", "right"].into_iter().filter_map(|side| {
+            let sided: Vec<String> = std::iter::once(side.to_string()).chain(words.iter().cloned()).collect();
+            self.part(format!("{side} {name}"), self.region(&sided), tip)
+        });
+        Some(both.collect()).filter(|both: &Vec<BodyPart>| !both.is_empty())
     }
 
     /// By what everybody calls it.
-    fn by_everyday_name(&self, words: &[String]) -> Option<Vec<BodyPart>> {
-        let side = words.iter().find(|word| ["left", "right"].contains(&word.as_str()));
-        let tip = words.last().is_some_and(|last| last == "tip") && words.len() > 1;
-        let noun: Vec<&str> = words
-            .iter()
-            .map(String::as_str)
-            .filter(|word| !(["left", "right"].contains(word) || tip && *word == "tip"))
-            .collect();
+    fn by_everyday_name(&self, words: &[String], tip: bool) -> Option<Vec<BodyPart>> {
+        let is_side = |word: &&str| ["left", "right"].contains(word);
+        let side = words.iter().map(String::as_str).find(is_side);
+        let noun: Vec<&str> = words.iter().map(String::as_str).filter(|word| !is_side(word)).collect();
         let noun = noun.join(" ");
         let Everyday(nouns, sided, rule) =
             EVERYDAY.iter().find(|Everyday(nouns, ..)| nouns.contains(&noun.as_str()))?;
@@ -369,7 +331,7 @@ impl PosedBody<'_> {
         let noun = one.filter(|_| *sided).map_or(noun.as_str(), |one| *one);
         let sides: Vec<Option<&str>> = match (sided, side) {
             (false, _) => vec![None],
-            (true, Some(side)) => vec![Some(side.as_str())],
+            (true, Some(side)) => vec![Some(side)],
             (true, None) => vec![Some("left"), Some("right")],
         };
         let found = sides.into_iter().filter_map(|side| {
@@ -425,10 +387,7 @@ impl PosedBody<'_> {
 
     /// By some words of a creature's own names: "front left leg" of `left_front_leg_upper`. "Leg" and the like may be what no
     /// name has, where the rest tells limbs apart.
-    fn by_part_of_name(&self, words: &[String]) -> Option<Vec<BodyPart>> {
-        let name = words.join(" ");
-        let tip = words.len() > 1 && words.last().is_some_and(|last| last == "tip");
-        let words = if tip { &words[..words.len() - 1] } else { words };
+    fn by_part_of_name(&self, name: String, words: &[String], tip: bool) -> Option<Vec<BodyPart>> {
         let general = ["leg", "arm", "limb", "foot", "paw", "claw", "hand", "wing", "finger"];
         let having = |wanted: &[&String]| -> Vec<usize> {
             let has =
@@ -441,11 +400,7 @@ impl PosedBody<'_> {
         if skin.is_empty() && !telling.is_empty() && telling.len() < words.len() {
             skin = having(&telling);
         }
-        if skin.is_empty() {
-            return None;
-        }
-        let part = if tip { self.tip(name, skin) } else { self.whole(name, skin) };
-        Some(part.into_iter().collect())
+        self.part(name, skin, tip).map(|part| vec![part])
     }
 }
 

@@ -12,7 +12,7 @@ use crate::peripersonal::{OutOfReach, PosturePath, ReachTarget};
 use crate::senses::Toucher;
 
 /// Steps of a way up or down, metres: so small that the arm keeps its pose by going on from step to step.
-const STRIDE: f64 = 0.01;
+const STRIDE: f64 = 0.005;
 /// How much lower than where it stood a thing is let down before it is let go, metres.
 const SINKS: f64 = 0.003;
 
@@ -47,7 +47,7 @@ impl Actor {
     }
 
     /// Postures on a straight way of a receptor's place up, or down, as far as the arm goes.
-    fn upwards(&mut self, receptor: usize, by: f64) -> Vec<Posture> {
+    pub(super) fn upwards(&mut self, receptor: usize, by: f64) -> Vec<Posture> {
         let Some(hand) = self.arm_of(receptor) else { return Vec::new() };
         let arm = self.hands[hand].arm.clone();
         let place = Place { direction: Vector3::zeros(), ..self.own.place(receptor) };

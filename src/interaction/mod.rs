@@ -14,7 +14,7 @@ mod things;
 
 pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
 pub use avoiding::{Avoiding, PlaceGoal, QUICK};
-pub use body_part::{BodyPart, UnknownPart};
+pub use body_part::BodyPart;
 pub use conversation::grammar::{
     Aside, End, HandName, Language, Mood, PartName, Request, Understood, UnknownWord, Which,
 };

@@ -44,10 +44,8 @@ impl Actor {
                 break;
             }
             since = self.steps();
-            touch = match self.follow(&PosturePath(vec![met]), speed, |_, _| true)? {
-                Stop::Felt(contacts) => told(self, &contacts),
-                Stop::Arrived => None,
-            };
+            let contacts = self.follow(&PosturePath(vec![met]), speed, |_, _| true)?.felt();
+            touch = told(self, &contacts);
         }
         let posture = self.posture();
         self.follow(&PosturePath(leaving), SWIFT, |_, _| false)?;

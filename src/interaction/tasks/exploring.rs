@@ -17,6 +17,8 @@ const SWEEP_HEIGHT: f64 = 0.03;
 const LANE: f64 = 0.06;
 /// Steps along a lane, metres.
 const STRIDE: f64 = 0.02;
+/// How far down a hand looks for a table, metres.
+const FARTHEST_DOWN: f64 = 1.0;
 
 impl Actor {
     /// Lowers a hand in front of it until it feels something, and takes that for the table.
@@ -46,22 +48,8 @@ impl Actor {
 
     /// Lowers a hand until it feels something and takes it back: the height of that, metres, and what it felt.
     fn lower_hand(&mut self, hand: usize) -> Result<(f64, Option<FoundThing>), Trouble> {
-        let Hand { arm, tip, .. } = self.hands[hand].clone();
-        let place = self.own.place(tip);
         let start = self.posture();
-        let (point, _) = self.feels_at(tip);
-        let (mut posture, mut way) = (start.clone(), Vec::new());
-        let up = self.up;
-        let reaching = self.reaching(arm);
-        for k in 1..200 {
-            let aim = ReachTarget { point: point - up * (0.005 * f64::from(k)), direction: Vector3::zeros() };
-            let reach = reaching.solve(Place { direction: Vector3::zeros(), ..place }, &aim, &posture);
-            if reach.miss > REACHED {
-                break;
-            }
-            posture.clone_from(&reach.posture);
-            way.push(reach.posture);
-        }
+        let way = self.upwards(self.hands[hand].tip, -FARTHEST_DOWN);
         let stop = self.follow(&PosturePath(way), CAREFUL, |_, _| true)?;
         let Stop::Felt(contacts) = stop else { return Err(Trouble::Nothing) };
         if contacts.iter().any(|contact| matches!(contact.by, Toucher::Own(_))) {

@@ -156,21 +156,16 @@ impl Actor {
                 actor.reaching(arm).approach(&from, &tips, &aim)
             });
             let Ok(plan) = plan else { continue };
-            let mut into = aim.direction;
-            let came = match self.follow(&plan.way, SWIFT, |_, _| true)? {
-                Stop::Arrived => self.follow(&plan.straight, CAREFUL, |_, _| true)?,
-                Stop::Felt(contacts) => {
-                    // Met on the way there: it lies where that skin faces.
-                    into = contacts.iter().find_map(|c| self.found(c)).map_or(into, |found| found.direction);
-                    Stop::Felt(contacts)
-                }
-            };
-            let touching = match &came {
-                Stop::Felt(contacts) => self.of_the_thing(contacts),
-                Stop::Arrived => BTreeSet::new(),
-            };
+            let mut felt_on_way = self.follow(&plan.way, SWIFT, |_, _| true)?.felt();
+            // Met on the way there it lies where that skin faces.
+            let met = felt_on_way.iter().find_map(|contact| self.found(contact));
+            let into = met.map_or(aim.direction, |found| found.direction);
+            if felt_on_way.is_empty() {
+                felt_on_way = self.follow(&plan.straight, CAREFUL, |_, _| true)?.felt();
+            }
+            let touching = self.of_the_thing(&felt_on_way);
             let by = touching.iter().next().copied().unwrap_or(plan.receptor);
-            let come = match (came == Stop::Arrived, touching.is_empty()) {
+            let come = match (felt_on_way.is_empty(), touching.is_empty()) {
                 (_, false) => Come::Touched,
                 (true, true) => Come::Empty,
                 (false, true) => Come::Barred,
@@ -236,12 +231,9 @@ impl Actor {
             if way.len() < 3 {
                 continue;
             }
-            let came = self.follow(&PosturePath(way), FEELING, |_, _| true)?;
-            let touching = match &came {
-                Stop::Felt(contacts) => self.of_the_thing(contacts),
-                Stop::Arrived => BTreeSet::new(),
-            };
-            if came == Stop::Arrived || !touching.is_empty() {
+            let contacts = self.follow(&PosturePath(way), FEELING, |_, _| true)?.felt();
+            let touching = self.of_the_thing(&contacts);
+            if contacts.is_empty() || !touching.is_empty() {
                 self.take_in(felt, about, &touching, by, DRAWN_BACK);
             }
             let met = self.frames()[limb].point(&place.point);
@@ -249,7 +241,7 @@ impl Actor {
             if !self.draws_off(way)? {
                 return Ok(());
             }
-            if let Stop::Felt(_) = self.follow(&PosturePath(vec![back.clone()]), SWIFT, |_, _| true)? {
+            if self.follow(&PosturePath(vec![back.clone()]), SWIFT, |_, _| true)? != Stop::Arrived {
                 return Ok(());
             }
         }

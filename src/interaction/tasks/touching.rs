@@ -13,7 +13,7 @@ use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{
     Obstacle, OutOfReach, OwnBody, PosturePath, ReachTarget, Reaching, distance, straight as straight_to,
 };
-use crate::senses::Toucher;
+use crate::senses::{SkinContact, Toucher};
 
 /// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
 /// greatest that leaves a way.
@@ -169,11 +169,10 @@ impl Actor {
             let place = if felt.is_sharp() { felt.room() } else { Room { aim, sharp: false } };
             let places: Vec<Room> = met.iter().copied().chain([place]).collect();
             let planned = self.making_room(&places, |actor| {
-                let reaching = actor.reaching(joints.clone());
-                let reaching = match felt.is_sharp() {
-                    true => reaching.onto(felt.found.direction),
-                    false => reaching,
-                };
+                let mut reaching = actor.reaching(joints.clone());
+                if felt.is_sharp() {
+                    reaching = reaching.onto(felt.found.direction);
+                }
                 Ok(reaching.approach(&from, &receptors, &aim)?)
             });
             let plan = match planned {
@@ -225,12 +224,7 @@ impl Actor {
                 }
                 Err(Trouble::Hit(contacts)) => {
                     // Back the way that it came, and another way, about what it met.
-                    met.extend(
-                        contacts
-                            .iter()
-                            .filter_map(|contact| self.found(contact))
-                            .map(|found| Room::of(&found)),
-                    );
+                    met.extend(self.rooms(&contacts));
                     goes.push_front((lean, aim));
                     self.back_off(&contacts, BACK)?;
                     trouble = Trouble::Hit(contacts);
@@ -239,6 +233,11 @@ impl Actor {
             }
         }
         Err(trouble)
+    }
+
+    /// The room that is left for what was met.
+    fn rooms(&self, contacts: &[SkinContact]) -> Vec<Room> {
+        contacts.iter().filter_map(|contact| Some(Room::of(&self.found(contact)?))).collect()
     }
 
     /// Does something with room left for a thing that was met at some places: as much as leaves a way.
@@ -371,9 +370,7 @@ impl Actor {
             };
             let Trouble::Hit(contacts) = trouble else { return Err(trouble) };
             // It is larger than thought: back, and about what it met as well.
-            met.extend(
-                contacts.iter().filter_map(|contact| self.found(contact)).map(|found| Room::of(&found)),
-            );
+            met.extend(self.rooms(&contacts));
             self.back_off(&contacts, BACK)?;
         }
         Err(OutOfReach::Barred.into())
@@ -399,11 +396,8 @@ impl Actor {
             let mut way = vec![from.clone()];
             for k in 1..=STEPS_OFF {
                 let point = here - direction * (BACK * f64::from(k) / f64::from(STEPS_OFF));
-                way.push(
-                    reaching
-                        .solve(place, &ReachTarget { point, direction: facing }, &way[way.len() - 1])
-                        .posture,
-                );
+                let aim = ReachTarget { point, direction: facing };
+                way.push(reaching.solve(place, &aim, &way[way.len() - 1]).posture);
             }
             ways.push(way);
         }

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{MARGIN, Trouble};
 use crate::creature::Posture;
-use crate::geometry::Capsule;
+use crate::geometry::{Capsule, Frame};
 use crate::interaction::actor::Actor;
 use crate::interaction::stick::KnownStick;
 use crate::learning::observation::Observation;
@@ -116,7 +116,9 @@ impl Actor {
         let mut foretold: Vec<(f64, bool)> = Vec::new();
         for _ in 0..MOTIONS {
             let target = self.where_it_may_touch(belief.as_ref(), &mut rng);
-            let Some(target) = target.or_else(|| self.elsewhere(&mut rng)) else { continue };
+            // Elsewhere, whatever the stick meets.
+            let target = target.or_else(|| self.draw_clear(DRAWS, &mut rng, |_, _| true));
+            let Some(target) = target else { continue };
             let Some(touch) = self.touch_self_going_to(&target)? else { continue };
             let (skin, schema) = (self.own.skin(), &self.own.schema);
             foretold.push(belief.as_ref().map_or((f64::INFINITY, false), |tool: &Tool| {
@@ -178,11 +180,10 @@ impl Actor {
 
     /// A random posture of both arms to which the way is clear of his own body and in which the stick, as it is believed or
     /// expected, would be in other skin: its tip, once something is believed.
-    fn where_it_may_touch(&mut self, belief: Option<&Tool>, rng: &mut ChaCha8Rng) -> Option<Posture> {
+    fn where_it_may_touch(&self, belief: Option<&Tool>, rng: &mut ChaCha8Rng) -> Option<Posture> {
         let stick = self.stick.as_ref()?;
         let hand = &self.hands[stick.hand];
         let limb = hand.limb;
-        let arms = self.arms();
         let grip = self.own.skin().receptors[stick.receptor].position;
         let pointing = grip.try_normalize(1e-6).unwrap_or_else(Vector3::x);
         let expected = belief.copied().unwrap_or(Tool {
@@ -194,41 +195,35 @@ impl Actor {
         // Now and then what is not expected is tried.
         let tip_only = belief.is_some() && rng.random_bool(0.7);
         let from = self.posture();
-        let clearance = self.clearance.moved_by(&self.own, &arms).eased_at(&[self.own.frames(&from)], CLEAR);
         let holding = self.own.carried_by(hand.arm[0] + 1);
         let others: Vec<usize> = (0..self.own.creature().limbs().len())
             .filter(|&other| !holding[other] && !self.own.creature().neighbouring(limb, other))
             .collect();
-        (0..if tip_only { DRAWS_BY_TIP } else { DRAWS }).find_map(|_| {
-            let target = self.own.random_posture(&from, &arms, rng);
-            let frames = self.own.frames(&target);
+        let draws = if tip_only { DRAWS_BY_TIP } else { DRAWS };
+        self.draw_clear(draws, rng, |target, frames| {
             let Capsule { ends, radius } = expected.capsule().placed(&frames[limb]);
             let about = Capsule { ends: if tip_only { [ends[1]; 2] } else { ends }, radius };
-            let meets = |&other: &usize| self.clearance.to_body(&frames, other, &about, &about, CLEAR) < 0.0;
-            let tip_first = |target: &Posture| {
-                !tip_only || self.meets_with_tip_first(&expected, &others, [&from, target])
-            };
-            let hands = self.hands.iter().map(|hand| frames[hand.limb].origin);
-            let high = self.is_high(hands.chain(ends));
-            let useful = high && others.iter().any(meets);
-            (useful
-                && straight(&self.own, &clearance, &from, &target, CLEAR.min(MARGIN))
-                && tip_first(&target))
-            .then_some(target)
+            let meets = |&other: &usize| self.clearance.to_body(frames, other, &about, &about, CLEAR) < 0.0;
+            let tip_first = || !tip_only || self.meets_with_tip_first(&expected, &others, [&from, target]);
+            self.is_high(ends.into_iter()) && others.iter().any(meets) && tip_first()
         })
     }
 
-    /// A random posture of both arms over the table to which the way is clear of his own body, whatever the stick meets.
-    fn elsewhere(&mut self, rng: &mut ChaCha8Rng) -> Option<Posture> {
-        let arms = self.arms();
-        let from = self.posture();
+    /// A random posture of both arms with the hands over the table to which the way is clear of his own body, and that is `useful`.
+    fn draw_clear(
+        &self,
+        draws: usize,
+        rng: &mut ChaCha8Rng,
+        useful: impl Fn(&Posture, &[Frame]) -> bool,
+    ) -> Option<Posture> {
+        let (arms, from) = (self.arms(), self.posture());
         let clearance = self.clearance.moved_by(&self.own, &arms).eased_at(&[self.own.frames(&from)], CLEAR);
-        (0..DRAWS).find_map(|_| {
+        (0..draws).find_map(|_| {
             let target = self.own.random_posture(&from, &arms, rng);
             let frames = self.own.frames(&target);
-            let hands = self.hands.iter().map(|hand| frames[hand.limb].origin);
-            (self.is_high(hands) && straight(&self.own, &clearance, &from, &target, CLEAR.min(MARGIN)))
-                .then_some(target)
+            let high = self.is_high(self.hands.iter().map(|hand| frames[hand.limb].origin));
+            let clear = |to| straight(&self.own, &clearance, &from, to, CLEAR.min(MARGIN));
+            (high && useful(&target, &frames) && clear(&target)).then_some(target)
         })
     }
 

@@ -166,7 +166,7 @@ impl Conversation {
     /// The parts of its body that a name means.
     fn parts(&self, part: &PartName) -> Result<Vec<BodyPart>, Answer> {
         let found = body_part::find(&self.actor, part, self.hand_touching());
-        found.map_err(|unknown| Answer::tells(unknown.to_string()))
+        found.map_err(Answer::tells)
     }
 
     fn where_own(&self, request: &Request) -> Answer {

@@ -8,7 +8,7 @@ mod search;
 use crate::creature::Posture;
 use crate::error::Result;
 use crate::geometry::Capsule;
-use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop as Ended};
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT};
 use crate::peripersonal::{Obstacle, OutOfReach, PosturePath, TablePlane, straight};
 use plan::CLEAR;
 pub use plan::SearchPlan;
@@ -56,10 +56,8 @@ impl Actor {
     /// # Errors
     /// Where the engine fails.
     pub fn touch_anew(&mut self, found: &FoundThing) -> Result<Option<FoundThing>> {
-        match self.follow(&PosturePath(vec![found.posture.clone()]), CAREFUL, |_, _| true)? {
-            Ended::Felt(contacts) => Ok(contacts.iter().find_map(|contact| self.found(contact))),
-            Ended::Arrived => Ok(None),
-        }
+        let contacts = self.follow(&PosturePath(vec![found.posture.clone()]), CAREFUL, |_, _| true)?.felt();
+        Ok(contacts.iter().find_map(|contact| self.found(contact)))
     }
 
     /// Goes on with a search until something is felt; none where all was searched.
@@ -116,7 +114,7 @@ impl Actor {
     /// Goes along a way, takes down what it passes, and draws back at once from what it feels.
     fn feel_along(&mut self, search: &mut Search, way: &PosturePath, speed: f64) -> Result<Option<Feeling>> {
         let since = self.steps();
-        let ended = self.follow(way, speed, |_, _| true)?;
+        let contacts = self.follow(way, speed, |_, _| true)?.felt();
         search.map.begin_motion();
         let passed: Vec<Posture> = self.lately(since).step_by(NOTED).cloned().collect();
         for posture in &passed {
@@ -126,7 +124,6 @@ impl Actor {
             }
         }
         search.take_in_what_is_gone();
-        let Ended::Felt(contacts) = ended else { return Ok(None) };
         let found = contacts.iter().find_map(|contact| self.found(contact));
         self.back_off(&contacts, DRAWN_BACK)?;
         let plane = search.map.plane;
@@ -157,29 +154,25 @@ impl Actor {
         let other = search.at.map(|(at, _)| search.stop(at).clone()).filter(|at| at.hand != stop.hand);
         if let Some(at) = search.at.map(|(at, _)| search.stop(at).clone()) {
             let up = self.straight_up(at.hand, at.sole, &search.plan);
-            let felt = self.feel_along(search, &PosturePath(up), SWIFT)?;
-            if felt.is_some() {
-                return Ok(felt);
+            if let Some(felt) = self.feel_along(search, &PosturePath(up), SWIFT)? {
+                return Ok(Some(felt));
             }
         }
         if let Some(other) = other {
-            let ready = self.ready();
+            let (from, ready) = (self.posture(), self.ready());
             let arm = self.hands[other.hand].arm.clone();
-            let from = self.posture();
-            if let Ok(way) = self.way_above(search, [&from, &ready], &arm) {
-                let felt = self.feel_along(search, &way, ABOVE)?;
-                if felt.is_some() {
-                    return Ok(felt);
-                }
+            if let Ok(way) = self.way_above(search, [&from, &ready], &arm)
+                && let Some(felt) = self.feel_along(search, &way, ABOVE)?
+            {
+                return Ok(Some(felt));
             }
         }
         let from = self.posture();
         let high = stop.rising.last().unwrap_or(&stop.low).clone();
         let arm = self.hands[stop.hand].arm.clone();
         let Ok(way) = self.way_above(search, [&from, &high], &arm) else { return Ok(None) };
-        let felt = self.feel_along(search, &way, ABOVE)?;
-        if felt.is_some() {
-            return Ok(felt);
+        if let Some(felt) = self.feel_along(search, &way, ABOVE)? {
+            return Ok(Some(felt));
         }
         let down: Vec<Posture> = stop.rising.iter().rev().cloned().collect();
         self.feel_along(search, &PosturePath(down), FEELING)

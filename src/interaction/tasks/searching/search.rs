@@ -251,15 +251,20 @@ impl Search {
                 };
                 thing.touches.iter().filter(|&&i| self.is_gone(&self.felt[i], above)).count()
             };
-            let allowed = |stop: &Stop| self.only.is_none_or(|hand| hand == stop.hand);
-            let all = (0..self.plan.lanes.len())
-                .flat_map(|lane| (0..self.plan.lanes[lane].len()).map(move |k| [lane, k]))
-                .filter(|&at| allowed(self.stop(at)));
-            if let Some((_, at)) = all.map(|at| (met(self.stop(at)), at)).filter(|(met, _)| *met > 0).max() {
+            if let Some((_, at)) =
+                self.allowed().map(|at| (met(self.stop(at)), at)).filter(|(met, _)| *met > 0).max()
+            {
                 return Some(at);
             }
         }
         None
+    }
+
+    /// All stops of the hands that are to search.
+    fn allowed(&self) -> impl Iterator<Item = [usize; 2]> {
+        let lanes = self.plan.lanes.iter().enumerate();
+        let all = lanes.flat_map(|(lane, stops)| (0..stops.len()).map(move |k| [lane, k]));
+        all.filter(|&at| self.only.is_none_or(|hand| hand == self.stop(at).hand))
     }
 
     /// Whether a lane would search what the next two would not as well.
@@ -306,14 +311,12 @@ impl Search {
         }
         // What the lanes left: where most is to be searched first, with the hand that is there already.
         let hand = self.at.map(|(at, _)| self.stop(at).hand);
-        let all = (0..self.plan.lanes.len())
-            .flat_map(|lane| (0..self.plan.lanes[lane].len()).map(move |k| [lane, k]));
         let worth = |at: &[usize; 2]| {
             let stop = self.stop(*at);
             (Some(stop.hand) == hand, self.gain(stop))
         };
-        let best = all
-            .filter(|&at| self.only.is_none_or(|hand| hand == self.stop(at).hand))
+        let best = self
+            .allowed()
             .filter(|&at| self.tried[at[0]][at[1]] < TRIES && self.gain(self.stop(at)) >= self.worth(at))
             .max_by_key(worth);
         if best.is_some() || !self.narrowed {
