@@ -243,17 +243,16 @@ impl Lexicon {
             _ => 2,
         };
         let near = self.forms.iter().filter_map(|(known, (_, form))| {
-            let (letters, begins) = (known.chars().count(), known.chars().next() == typed.chars().next());
+            let letters = known.chars().count();
             let swapped = sorted(known) == sorted(typed);
-            // A short word lacks a letter, or has two swapped.
-            let may_be =
-                letters > 2 && (swapped || letters.max(length) > 3) && letters.abs_diff(length) <= slips;
+            // What begins otherwise is another word; a short one lacks a letter, or has two swapped.
+            let begins = known.chars().next() == typed.chars().next();
+            let may_be = letters > 2 && (swapped || begins && letters.max(length) > 3);
             let distance = strsim::osa_distance(typed, known);
-            // Of words that are as near one with the same letters, then one that begins so, then one of which a letter was left
-            // out, then a verb.
-            let key =
-                (distance, !swapped, !begins, letters <= length, Reverse(letters), *form == Form::Other);
-            (may_be && distance <= slips).then_some((key, known.as_str()))
+            // Of words that are as near one with the same letters, then one that agrees longest, then a verb.
+            let like = (1e6 * strsim::jaro_winkler(typed, known)) as u32;
+            let key = (distance, !swapped, Reverse(like), Reverse(letters), *form == Form::Other);
+            (may_be && distance <= slips + usize::from(swapped)).then_some((key, known.as_str()))
         });
         near.min_by_key(|(key, _)| *key).map(|(_, known)| known)
     }
