@@ -86,7 +86,7 @@ const MORE: usize = 4;
 const MEANS: &str = "with by using to back over in from on up down away off left right out again your the";
 /// What names the hand that is to do something, beside what it is to do.
 const BY: &[&str] =
-    &["USE|take|STRETCH|extend|raise|lift ?out ?up HAND ?out ?up and|to", "with|by|using|use HAND"];
+    &["USE|take|stretch|extend|raise|lift ?out ?up HAND ?out ?up and|to", "with|by|using|use HAND"];
 
 /// A clause without what says nothing.
 pub(super) struct Clause {

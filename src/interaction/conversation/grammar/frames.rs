@@ -110,7 +110,7 @@ const FILLERS: &str = "please|kindly|just|simply|now|um|uh|er|hmm; oh|ah|actuall
      roughly|approximately|precisely|completely|absolutely|perfectly|entirely|thoroughly|properly; \
      basically|honestly|certainly|definitely|probably|surely|both|own|currently; then|indeed|soon; for \
      me|us; a ?wee|tiny ?little bit|tad|little|while; at the|this moment; right now|away; if possible; by \
-     any chance; this time; so far; do you think|reckon|suppose|know; would you say";
+     any chance; this time; so far; at all; as well; of course; with care; do you think|reckon|suppose|know; would you say";
 
 /// Whom one speaks to.
 const VOCATIVES: &str = "max mate buddy partner robot friend guys pal sir dear lad bud";

@@ -173,11 +173,11 @@ impl Language {
         // Whatever is denied or supposed anywhere, it is better to ask.
         let doubtful = clauses.iter().any(|clause| matches!(clause.mood, Mood::Hypothesis | Mood::Past))
             || forbids
-            || clauses.iter().any(|clause| DOUBTFUL.iter().any(|doubt| has(&clause.pieces, doubt)))
+            || clauses.iter().any(|clause| has(&clause.pieces, DOUBTFUL))
             || aside.is_some_and(|aside| !aside.clear)
             || words::quotes(heard);
         let whole = unknown.is_empty() && !doubtful;
-        let explores = || intent == Intent::Explore && !OF_NO_PLACE.iter().any(|of| has(&pieces, of));
+        let explores = || intent == Intent::Explore && !has(&pieces, OF_NO_PLACE);
         let asked = heads && (mood == Mood::Command || mood == Mood::Question && explores());
         let leave = intent.moves().then(|| Leave::by_words(asked && whole)).flatten();
         let about = match intent {
@@ -243,58 +243,28 @@ impl Language {
             found.iter().copied().find(|(intent, k, _)| *k > at && commands(*k) && ends.contains(intent))
         });
         let wanted = end.or(wanted);
-        match wanted {
-            Some(wanted)
-                if wanted.0 == Intent::Dont
-                    || !strange(&clauses[wanted.1].pieces)
-                        && !has(pieces, OTHERS)
-                        && !IDIOMS.iter().any(|idiom| has(pieces, idiom)) =>
-            {
-                Some(wanted)
-            }
-            _ => clauses
-                .iter()
-                .enumerate()
-                .find_map(|(k, clause)| Some((clause.alone(&self.grammar)?, k, false))),
-        }
+        let means_it = |(intent, at, _): &(Intent, usize, bool)| {
+            *intent == Intent::Dont || !strange(&clauses[*at].pieces) && !has(pieces, ELSEWISE)
+        };
+        let mut alone = clauses.iter().enumerate();
+        let alone = || alone.find_map(|(k, clause)| Some((clause.alone(&self.grammar)?, k, false)));
+        wanted.filter(means_it).or_else(alone)
     }
 }
 
-/// What makes it doubtful whether something is wanted, or wanted now.
-const DOUBTFUL: &[&str] = &[
-    "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day|=stop|=wait|=halt",
-    // Of somebody else.
-    "him|he|she|somebody|someone",
-    "next time",
-    "as i|we|he|she|they",
-    // A question that lacks its "do you": "feel anything".
-    "^ VERB =anything $",
-    "ready|prepare to",
-];
+/// What makes it doubtful whether something is wanted, or wanted now; of somebody else; a question that lacks its "do you".
+const DOUBTFUL: &str = "not|never|no|nope|nah|or|if|when|before|after|until|unless|tomorrow|later|day|=stop|=wait|=halt; \
+    him|he|she|somebody|someone; next time; as i|we|he|she|they; ^ VERB =anything $; ready|prepare to";
 /// What makes a question whether there is anything one of no thing on the table: "is there anything that you can do?"
-const OF_NO_PLACE: &[&str] =
-    &["STICK", "SOME ?that you|i|we|he", "in|on|ON|under BODY", "MORE than", "^ ?and what else $"];
+const OF_NO_PLACE: &str = "STICK; SOME ?that you|i|we|he; in|on|ON|under BODY; MORE than; ^ ?and what else $";
 /// What is told first but is a way only to what is told then.
 const WAYS: &[(Intent, &[Intent])] = &[
     (Intent::LeanForward, &[Intent::TouchOwn]),
     (Intent::Lift, &[Intent::PutFar, Intent::BringNear, Intent::PutAside]),
 ];
-/// What is done to somebody else.
-const OTHERS: &str = "!feel TOUCH|GRAB|TEND|LIFT ?ON me|us|him|her|my|his|their|our";
-/// Words that name parts or acts and mean something else.
-const IDIOMS: &[&str] = &[
-    "yourself together",
-    "close|open|shut PART",
-    "lean on me",
-    "stand ON PART",
-    "feel free $",
-    "run away",
-    "in peace",
-    "keep in touch",
-    "keep the change",
-    "off you go",
-    "no hard",
-];
+/// What is done to somebody else, and words that name parts or acts and mean something else.
+const ELSEWISE: &str = "!feel TOUCH|GRAB|TEND|LIFT ?ON me|us|him|her|my|his|their|our; yourself together; close|open|shut PART; \
+    lean on me; stand ON PART; feel free $; run away; in peace; keep in touch; keep the change; off you go; no hard";
 
 /// Whether an utterance is about something that nobody here knows: the moon, politics.
 fn strange(pieces: &[Piece]) -> bool {

@@ -50,7 +50,7 @@ pub(super) const WHERE_OWN: RequestKind = RequestKind::new(
     "told: find|locate BODY $ ; show ?me BODY ; asked: BODY .. where be|have ?THING ; WHEREABOUTS \
      ?of|are|be BODY ; WHEREABOUTS .. BODY ; be BODY now|there|here|UP|DOWN $ ; be BODY ?still \
      bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended ; \
-     how|what ?HIGH|high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. \
+     how|what ?high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. \
      BODY ; which|what WHEREABOUTS|side|way|height|level .. BODY ; TELL|know|find BODY $ ; what be BODY \
      do ; BODY be where|located|now ; BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; BODY bent",
 )

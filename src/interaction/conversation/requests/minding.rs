@@ -67,7 +67,7 @@ pub(super) const FORGET: RequestKind = RequestKind::new(
     "told: FORGET ; FORGET ?about THING|SOME|everything|ALL ; CLEAR ?out your|THING|the|ALL ?whole|entire \
      MEMORY ; PUT|CLEAR|get|lose|PUSH|take THING|SOME|ALL|what ?ALL out|from ?of ?from ?your MEMORY ; ^ \
      wipe|clear THING|everything|ALL & !HAND|TABLE ; CLEAR what|whatever|ALL ?that ?THING ?you \
-     KNOW|FEEL|felt|FIND ; FRESH|fresh START|beginning ; start ALL|AGAIN|afresh|over ; from scratch ; clean \
+     KNOW|FEEL|felt|FIND ; fresh START|beginning ; start ALL|AGAIN|afresh|over ; from scratch ; clean \
      slate ; LET THING slip ; put THING behind you ; lose THING from ; MEMORY .. CLEAR ; PUT|get|take|clear \
      THING|SOME|ALL out of ?your head|mind|memory|BODY ; begin|start anew ; denied: not|longer remember ; \
      need not|longer|to remember|KNOW ; forget about =remembering",
@@ -80,7 +80,7 @@ pub(super) const QUIT: RequestKind = RequestKind::new(
         Answer::done("Goodbye")
     }),
     "said: i|we ?have|must|better|should|need ?got|had ?better|best ?to be|dash off|away ; i must|have ?to \
-     dash|run|go|leave ; no more questions ; ^ BYE|quit|exit ; ^ so long $ ; BYE $ ; ^ see|SEE you ; ^ \
+     dash|run|go|leave ; no more questions ; ^ BYE|quit|exit ; ^ so long $ ; BYE $ ; ^ see you ; ^ \
      THING be ALL ; ^ i be =going|=leaving $ ; ^ ?let|us|time ?us ?to end|finish THING|it ?here|now|there \
      $ ; ^ that|THING will be ALL ; ^ good night ; ^ ?i|we ?think ?i|we be \
      ALL|through|=leaving|off|=done|=finished ; ^ i|we HELPING|=got|better ?to|=got ?to|better \

@@ -22,7 +22,7 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind::new(
     ["touch myself there", "touched myself"],
     Act::Moves(Conversation::touch_part),
     "told: FIND PART with|HAND ; TOUCH|TEND|FEEL BODY ; \
-     PUT|get|keep|have|bring|press|point|raise|lift|STRETCH|REACH|hold|let|LET|take|PULL|PUSH|guide ?one \
+     PUT|get|keep|have|bring|press|point|raise|lift|REACH|hold|let|LET|take|PULL|PUSH|guide ?one \
      ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight \
      ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; PUT ?finger|hand|HAND \
      ON BODY ; get|take|catch|have|lay|keep|GRAB hold of BODY ; ^ HAND ?and PART $ ; ^ PART with|by ?your \
@@ -65,7 +65,7 @@ pub(super) const AVOID: RequestKind = RequestKind::new(
      yourself|BODY ; get out ?of there|here $ ; ^ move $ ; ^ GO|jump BACK $ ; THING|SOME ?be \
      =coming|=approaching|=flying ; let THING|SOME pass ; take cover|evasive ; shy|shrink|flinch|draw|back \
      away ; incoming ; evasive ; give THING ?wide room|way|space|berth ; on your|guard guard ; beware ; \
-     mind your|the BODY|yourself ; heads|HEAD up ; move so .. miss|past ; get|be missed ; ^ ?be \
+     mind your|the BODY|yourself ; heads up ; move so .. miss|past ; get|be missed ; ^ ?be \
      careful|alert|watchful $ ; GO|keep|stay|step|get ?yourself ?well ?right out|clear of ; mind|watch ?out \
      ?for THING|SOME ; THING|SOME =comes|=approaches|=flies ; about to hit ; do not .. \
      =hit|=touched|=struck ; GO|stay|keep ?yourself out of ?its range|reach|way|path ; =look|watch|mind out \

@@ -18,7 +18,7 @@ const LAST: usize = 4;
 pub(super) const GREET: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
-    "said: GOOD to MEET|meet|see you ; i be back ; how have you be ; ^ HELLO ; ^ GOOD|good \
+    "said: GOOD to meet|see you ; i be back ; how have you be ; ^ HELLO ; ^ GOOD|good \
      morning|afternoon|evening|day ; ^ morning|evening|afternoon ; long time no see ; good to be back ; \
      make your acquaintance ; asked: how be THING|life|everything|things|you|ALL ?going ; how do you do ; \
      you|are|be ?you ok|okay|alright|well $ ; what be UP $ ; ^ be you there|=awake|wake $ ; ^ you =awake \
