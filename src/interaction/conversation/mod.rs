@@ -255,10 +255,11 @@ impl Conversation {
         let acted = match (&kind.act, self.mind.things.it().cloned()) {
             (Act::Moves(act), _) => act(self, request, &leave),
             (Act::Handles(act), Some(thing)) => act(self, &thing, request),
-            _ => self.explore(self.hand_for(request.hand), false).map(|answer| {
+            (Act::Handles(_), None) => self.explore(self.hand_for(request.hand), false).map(|answer| {
                 let done = Some(!self.mind.things.is_empty());
                 Answer { done, ..answer }
             }),
+            (Act::Tells(_) | Act::Minds(_), _) => return Ok(self.not_understood(&[])),
         };
         let answer = match acted {
             Err(Hindrance::Met(trouble)) => {

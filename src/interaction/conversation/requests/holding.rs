@@ -32,19 +32,17 @@ pub(super) const LET_GO: RequestKind = RequestKind::new(
     "said: ^ ?BACK DOWN ?THING ?GO $ ; ^ BACK ON TABLE ; told: LET ?THING|SOME \
      go|loose|fall|drop|off|slip|DROP ; DROP THING|SOME ; ^ DROP $ ; leave go ; leave THING there ; leave \
      THING ON TABLE ; PUT|lower|lay DOWN|BACK THING|SOME ; PUT|lower|lay|sit THING|SOME ?BACK ?down ON ?top \
-     ?of THING|SOME|TABLE ; open|unclench HAND ; open|loosen|relax|unclench|ease|lose|release|give|let ?up \
-     ?go ?of ?your grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold ; PUT DOWN $ ; let THING \
-     be|stay|stand ; ^ DOWN with THING ; return THING to THING|the ?TABLE|place ; PUT|give|return THING \
-     BACK ?where|in|there|ON|again ; HAND HELPING GO off ; ON|back TABLE with THING ; BACK with THING ; \
-     HAND off THING ; open ?up ?your HAND ; THING down ; THING BACK ON TABLE ; \
-     take|get|PULL|remove|move|withdraw ?away|off|back HAND ?away|off|back from|off ?of THING ; remove \
-     HAND ; lower THING|SOME ; PUT .. THING|SOME .. down ; leg go ; THING down AGAIN ; have|want|need|like \
-     THING BACK|DOWN ; PUT THING|SOME DOWN|BACK ?again ; THING free ; DROP|PUT|lower|lay|set ?DOWN \
-     what|whatever ; rid of ?your grip|hold ; release|open ?your HAND ; finish|end \
+     ?of THING|SOME|TABLE ; open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your \
+     grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold ; PUT DOWN $ ; let THING be|stay|stand ; ^ DOWN with \
+     THING ; return THING to THING|the ?TABLE|place ; PUT|give|return THING BACK ?where|in|there|ON|again ; \
+     HAND HELPING GO off ; ON|back TABLE with THING ; BACK with THING ; HAND off THING ; open ?up ?your \
+     HAND ; THING down ; THING BACK ON TABLE ; take|get|PULL|remove|move|withdraw ?away|off|back HAND \
+     ?away|off|back from|off ?of THING ; remove HAND ; lower THING|SOME ; PUT .. THING|SOME .. down ; leg \
+     go ; THING down AGAIN ; have|want|need|like THING BACK|DOWN ; PUT THING|SOME DOWN|BACK ?again ; THING \
+     free ; DROP|PUT|lower|lay|set ?DOWN what|whatever ; rid of ?your grip|hold ; finish|end \
      =holding|=carrying|=gripping ; part with THING ; denied: STOP|cease \
      =holding|=gripping|=grasping|=grabbing|=carrying ; no need|longer|more .. hold|=holding ; not|longer \
-     hold|keep THING ?any ; not .. hold|GRAB .. longer|more|anymore ; not hold|GRAB ON ?to THING ; \
-     not|stop|finish|no =holding",
+     hold|keep THING ?any ; not .. hold|GRAB .. longer|more|anymore ; not hold|GRAB ON ?to THING",
 );
 
 impl Conversation {

@@ -22,19 +22,18 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind::new(
     ["touch myself there", "touched myself"],
     Act::Moves(Conversation::touch_part),
     "told: FIND PART with|HAND ; TOUCH|TEND|FEEL BODY ; \
-     PUT|get|keep|have|bring|press|point|raise|lift|REACH|hold|let|LET|take|PULL|PUSH|guide ?one \
-     ?both HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight \
+     PUT|get|keep|have|bring|press|point|raise|lift|REACH|hold|let|LET|take|PULL|PUSH|guide ?one ?both \
+     HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight \
      ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY ; PUT ?finger|hand|HAND \
      ON BODY ; get|take|catch|have|lay|keep|GRAB hold of BODY ; ^ HAND ?and PART $ ; ^ PART with|by ?your \
      HAND $ ; ^ PART HAND $ ; HAND ?should|must|be|GO ?be|go ON|over BODY ; BODY .. HAND ON THING|PART ; \
      BODY .. HAND ON ; PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give THING|PART ; ^ PART TOUCH|TEND ; with|by \
-     HAND .. BODY ; make|get|establish contact|touch|CONTACT with|between|ON BODY ; TOUCH|TEND yourself ; \
-     TOUCH|TEND yourself ON PART ; BODY and BODY together ; point at|ON BODY ; REACH \
-     ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY ; give BODY ?GOOD ?BIT \
-     TOUCH|TEND|rub ; give BODY a ; GRAB|hold onto|ON BODY ; PUT|PULL|get|move BODY .. ON|near BODY ; \
-     go|head for|to BODY ; GRAB BODY ; PART & HAND & TOUCH|GRAB|PUT|REACH|USE|TEND|get ; ^ PART $ ; \
-     RUN|wipe|walk ?your HAND|finger .. PART ; TOUCH|TEND|GRAB|cup|hold .. PART ; HAND & PART & \
-     come|land|rest|GO|fall ; HAND .. ON BODY",
+     HAND .. BODY ; make|get|establish contact|touch|CONTACT with|between|ON BODY ; TOUCH|TEND yourself ON \
+     PART ; BODY and BODY together ; REACH ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON \
+     ?TOUCH|TEND ?behind BODY ; give BODY ?GOOD ?BIT TOUCH|TEND|rub ; give BODY a ; GRAB|hold onto|ON \
+     BODY ; PUT|PULL|get|move BODY .. ON|near BODY ; go|head for|to BODY ; GRAB BODY ; PART & HAND & \
+     TOUCH|GRAB|PUT|REACH|USE|TEND|get ; ^ PART $ ; RUN|wipe|walk ?your HAND|finger .. PART ; \
+     TOUCH|TEND|GRAB|cup|hold .. PART ; HAND & PART & come|land|rest|GO|fall",
 )
 .needs_body();
 
@@ -48,34 +47,32 @@ pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
      body|limbs .. changed ; EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. body|yourself|limbs & \
      !stick ; give yourself|body .. once|check|feel|exam|examination ; update|refresh .. body|yourself ; \
      GO|RUN ?HAND over|along ?your yourself|body|limbs ; FEEL|TOUCH ALL ?over ?of yourself|body ; self \
-     check|test|exam|calibration|CALIBRATE ; EXAMINE|check|test ?your PART ; body scan|check|test|exam ; ^ \
-     body SEARCH|EXAMINE ; do .. body EXAMINE ; asked: be ?your body ?still \
-     same|changed|different|=changed ; past: have BODY|your ?body changed|=changed",
+     check|test|exam|calibration|CALIBRATE ; EXAMINE|check|test ?your PART ; ^ body SEARCH|EXAMINE ; do .. \
+     body EXAMINE ; asked: be ?your body ?still same|changed|different|=changed ; past: have BODY|your \
+     ?body changed|=changed",
 );
 
 pub(super) const AVOID: RequestKind = RequestKind::new(
     ["get out of the way", "watched what came near"],
     Act::Moves(|creature, _, _| creature.watch_out()),
-    "said: THING|SOME ?be =coming|=approaching|=flying|=heading ?UPRIGHT|right at|ON|for|your \
-     ?you|PART|way ; THING|SOME ?be =coming|=approaching|=flying|=moving ; ^ mind $ ; told: AVOID \
-     THING|SOME ; AVOID ; out of ?its|his|my|harm|THING way ; GO|keep|stay|steer|PULL|hold|stand \
-     ?yourself|BODY ?well clear ; GO|jump|stand|shift ?yourself|BODY ?out|over aside|SIDEWAYS ; \
-     watch|look|mind out ; make way|room ; GO|keep|stay|back|jump|draw|PULL ?yourself|BODY|PART ?BACK|well \
-     away|off|FAR ?from ?THING|SOME|what & !HAND ; keep|KEEP|maintain ?your|some ?safe distance ; PROTECT \
-     yourself|BODY ; get out ?of there|here $ ; ^ move $ ; ^ GO|jump BACK $ ; THING|SOME ?be \
-     =coming|=approaching|=flying ; let THING|SOME pass ; take cover|evasive ; shy|shrink|flinch|draw|back \
-     away ; incoming ; evasive ; give THING ?wide room|way|space|berth ; on your|guard guard ; beware ; \
-     mind your|the BODY|yourself ; heads up ; move so .. miss|past ; get|be missed ; ^ ?be \
-     careful|alert|watchful $ ; GO|keep|stay|step|get ?yourself ?well ?right out|clear of ; mind|watch ?out \
-     ?for THING|SOME ; THING|SOME =comes|=approaches|=flies ; about to hit ; do not .. \
-     =hit|=touched|=struck ; GO|stay|keep ?yourself out of ?its range|reach|way|path ; =look|watch|mind out \
-     for THING ; clear off ; ^ out of there|it ; ^ danger ; denied: not|nothing|never LET|let THING|SOME \
-     ?at|ever hit|TOUCH|reach|bump|get|TEND|catch ; let nothing ; not get|be \
-     hit|=touched|=struck|caught|bumped & !THING ; not to get|be hit|=touched & !THING ; GO .. THING|SOME \
-     HELPING|do not hit|TOUCH|get|reach|catch|meet ; nothing|nobody TOUCH|hit|reach|get you|PART|BODY ; not \
-     THING hit|touch you|BODY ; not bump|run|collide into|with|ON ; avoid|dodge ?=being|=getting \
-     =hit|hit|it|THING ; without =being hit ; mind|watch THING|SOME =coming|=approaching ; take care not ; \
-     THING|SOME .. not hit|TOUCH|reach|bump|get|catch you|BODY",
+    "said: THING|SOME ?be =coming|=approaching|=flying|=moving ; ^ mind $ ; told: AVOID ; out of \
+     ?its|his|my|harm|THING way ; GO|keep|stay|steer|PULL|hold|stand ?yourself|BODY ?well clear ; \
+     GO|jump|stand|shift ?yourself|BODY ?out|over aside|SIDEWAYS ; watch|look|mind out ; make way|room ; \
+     GO|keep|stay|back|jump|draw|PULL ?yourself|BODY|PART ?BACK|well away|off|FAR ?from ?THING|SOME|what & \
+     !HAND ; keep|KEEP|maintain ?your|some ?safe distance ; PROTECT yourself|BODY ; get out ?of there|here \
+     $ ; ^ move $ ; ^ GO|jump BACK $ ; THING|SOME ?be =coming|=approaching|=flying ; let THING|SOME pass ; \
+     take cover|evasive ; shy|shrink|flinch|draw|back away ; incoming ; evasive ; give THING ?wide \
+     room|way|space|berth ; on your|guard guard ; beware ; mind your|the BODY|yourself ; heads up ; move so \
+     .. miss|past ; get|be missed ; ^ ?be careful|alert|watchful $ ; GO|keep|stay|step|get ?yourself ?well \
+     ?right out|clear of ; mind|watch ?out ?for THING|SOME ; THING|SOME =comes|=approaches|=flies ; about \
+     to hit ; do not .. =hit|=touched|=struck ; GO|stay|keep ?yourself out of ?its range|reach|way|path ; \
+     clear off ; ^ out of there|it ; ^ danger ; denied: not|nothing|never LET|let THING|SOME ?at|ever \
+     hit|TOUCH|reach|bump|get|TEND|catch ; let nothing ; not get|be hit|=touched|=struck|caught|bumped & \
+     !THING ; not to get|be hit|=touched & !THING ; GO .. THING|SOME HELPING|do not \
+     hit|TOUCH|get|reach|catch|meet ; nothing|nobody TOUCH|hit|reach|get you|PART|BODY ; not THING \
+     hit|touch you|BODY ; not bump|run|collide into|with|ON ; avoid|dodge ?=being|=getting \
+     =hit|hit|it|THING ; without =being hit ; take care not ; THING|SOME .. not \
+     hit|TOUCH|reach|bump|get|catch you|BODY",
 )
 .needs_body();
 

@@ -10,9 +10,9 @@ use crate::interaction::tasks::tried;
 pub(super) const TAKE_STICK: RequestKind = RequestKind::new(
     ["take the stick", "took the stick"],
     Act::Moves(Conversation::take_stick),
-    "told: GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; LIFT|GRAB STICK ?UP ; reach for STICK ; i .. \
-     GIVE|hand|hold .. you .. STICK ; GIVE you STICK ; STICK for you ; for you STICK ; STICK & \
-     take|hold|GRAB|get ; here ?you ?go STICK",
+    "told: GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; reach for STICK ; i .. GIVE|hand|hold .. you .. \
+     STICK ; GIVE you STICK ; STICK for you ; for you STICK ; STICK & take|hold|GRAB|get ; here ?you ?go \
+     STICK",
 )
 .needs_body();
 
@@ -21,15 +21,14 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
     Act::Moves(|creature, _, _| creature.give_stick_back()),
     "told: GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; PUT \
      DOWN|away|BACK|SIDEWAYS STICK ; LET|leave ?go of|off STICK ; STICK BACK|down|away ; get rid of STICK ; \
-     leave|lose|DROP|LET|return STICK ; GIVE .. STICK ; STICK & give|return|DROP ; away with STICK ; let me \
-     have STICK ; off with STICK ; asked: i|we ?have|get .. STICK BACK ; denied: stop|STOP =using|=holding \
-     STICK",
+     leave|lose|DROP|LET|return STICK ; STICK & give|return|DROP ; away with STICK ; let me have STICK ; \
+     off with STICK ; asked: i|we ?have|get .. STICK BACK ; denied: stop|STOP =using|=holding STICK",
 );
 
 pub(super) const STICK_KNOWN: RequestKind = RequestKind::new(
     ["tell what I know of the stick", "told what I know of the stick"],
     Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())),
-    "asked: STICK ; be|do .. STICK ; hold|have STICK",
+    "asked: STICK",
 );
 
 impl Conversation {

@@ -28,11 +28,10 @@ pub(super) const GREET: RequestKind = RequestKind::new(
 pub(super) const THANKS: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("You are welcome")),
-    "said: THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much ; owe you ; impressed ; not \
-     thank you ; well|nicely =done|do ; ^ GOOD BEING|boy|one ; GOOD of you ; GOOD job|work|effort ; how \
-     kind ; THING be ?so ?very GOOD ; you be GOOD ; way to go ; i be ?so|very|really GOOD|THANKS|grateful ; \
-     very|so GOOD ; ^ what a GOOD ; ^ GOOD job|work|stuff|BEING|going|one ; ^ GOOD $ ; you nail THING ; you \
-     rock ; well play|=played ; i like how|what|that ; past: you =have =been ?GOOD help|GOOD ; you =did \
+    "said: THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much ; owe you ; impressed ; \
+     well|nicely =done|do ; ^ GOOD BEING|boy|one ; GOOD of you ; GOOD job|work|effort ; how kind ; THING be \
+     ?so ?very GOOD ; you be GOOD ; way to go ; very|so GOOD ; ^ what a GOOD ; ^ GOOD $ ; you nail THING ; \
+     you rock ; well play|=played ; i like how|what|that ; past: you =have =been ?GOOD help|GOOD ; you =did \
      GOOD ; ^ that be ?so GOOD ?of ?you",
 );
 
@@ -43,9 +42,9 @@ pub(super) const YES: RequestKind = RequestKind::new(
      think|suppose|guess|believe|hope so ; what i mean|want ; ^ make THING so ; you ?have =got|understand \
      THING|me|right ; ^ YES ; ^ go ahead|on ; ^ go for it ; ^ DO it|so|that|THING $ ; ^ DO $ ; ^ of \
      course ; ^ that|THING be right|correct|true|fine|it ; ^ by all means ; ^ you may|can|should $ ; ^ why \
-     not $ ; ^ sounds good|fine|right ; ^ that|THING be one|idea|case $ ; you ?have get|=got THING ; ^ \
-     you|uh huh $ ; ^ i|you do ; ^ ALL right $ ; ^ please $ ; ^ ?YES that|THING be THING $ ; ^ you bet ; ^ \
-     sounds GOOD ; you understand ?me|THING|right ; past: ^ you have|=got THING|that $",
+     not $ ; ^ that|THING be one|idea|case $ ; ^ you|uh huh $ ; ^ i|you do ; ^ ALL right $ ; ^ please $ ; ^ \
+     ?YES that|THING be THING $ ; ^ you bet ; ^ sounds GOOD ; you understand ?me|THING|right ; past: ^ you \
+     have|=got THING|that $",
 );
 
 pub(super) const NO: RequestKind = RequestKind::new(
@@ -54,9 +53,8 @@ pub(super) const NO: RequestKind = RequestKind::new(
     "said: i disagree ; not what i mean|want ; i do not mean ; =misunderstood ; change|changed my mind ; ^ \
      NO ; ^ wrong|incorrect|false ; ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; ^ \
      that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ rather|better \
-     not ; ^ never|not $ ; ^ i would rather not ; ^ let us not ; ^ no thank|THANKS ?you ; i =said no ; ^ \
-     not ?now|today|yet|this|like ?now THANKS ; no|not .. bother|need $ ; past: you =got|get THING|that|me \
-     wrong",
+     not ; ^ never|not $ ; ^ i would rather not ; ^ let us not ; ^ no thank|THANKS ?you ; i =said no ; \
+     past: you =got|get THING|that|me wrong",
 );
 
 pub(super) const WHICH: RequestKind = RequestKind::new(
@@ -65,11 +63,11 @@ pub(super) const WHICH: RequestKind = RequestKind::new(
     "said: THING ?that i mean|want|need|think ; i be|was =talking|=thinking about|of THING ; about THING \
      $ ; ^ ?not ?it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR \
      ?your ?my ?left|right|side|front|back|mean|want|end|other $ ; ^ ON ?your|my left|right ; ^ \
-     first|second|third|last|left|right|NEAR|FAR $ ; ^ first|second|third|last THING ; ^ i \
-     mean|want|choose|pick|prefer|meant THING ; ^ either|whichever|any $ ; ^ either|whichever|any of \
-     THING ; ^ number NUMBER ; THING ?be THING ; ^ not THING THING ; say THING|first|second|last ; ^ \
-     leftmost|rightmost|either|whichever ?you ?like|want|please ; THING ?over ON left|right ; not matter \
-     which ; ^ left|right ?hand ?side one|THING ; which ?THING ?you like ; told: ^ choose|mean THING|one",
+     first|second|third|last|left|right|NEAR|FAR $ ; ^ i mean|want|choose|pick|prefer|meant THING ; ^ \
+     either|whichever|any $ ; ^ either|whichever|any of THING ; ^ number NUMBER ; THING ?be THING ; ^ not \
+     THING THING ; say THING|first|second|last ; ^ leftmost|rightmost|either|whichever ?you \
+     ?like|want|please ; THING ?over ON left|right ; not matter which ; ^ left|right ?hand ?side \
+     one|THING ; which ?THING ?you like ; told: ^ choose|mean THING|one",
 );
 
 pub(super) const WHO: RequestKind = RequestKind::new(
@@ -80,50 +78,45 @@ pub(super) const WHO: RequestKind = RequestKind::new(
             "I am {name}. I am blindfolded: I know my body from touching myself, and what is about me from what I feel"
         ))
     }),
-    "told: TELL|give ?me|us ?your who|name|yourself $ ; TELL ?me ?SOME|MORE ?BIT about yourself ; asked: \
-     who HELPING|be you ; who you be ; who i be ?=talking|=speaking ; who|what ?you|exactly be you ; \
-     who|whom do|be|have i|we have|the|TELL|=talking|=speaking|SPEAK ; which|what KIND|BEING ?of \
-     ?BEING|THING|SOME be|are you ; your purpose|function|job|name ; ^ ?and you be $ ; you have name ; be \
-     you ?called|named BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; how be you \
-     =called ; call|named|name you ; you be BEING|right|real ; who be =speaking|=talking|there|this ; what \
-     you be|call|called ; about yourself ; what HELPING|be i call you ; be this|that BEING ; who go|be \
-     there|this ; which|what BEING be this|THING|you ; what be this program ; identify|introduce yourself",
+    "told: TELL|give ?me|us ?your who|name|yourself $ ; asked: who HELPING|be you ; who you be ; who i be \
+     ?=talking|=speaking ; who|what ?you|exactly be you ; who|whom do|be|have i|we \
+     have|the|TELL|=talking|=speaking|SPEAK ; which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your \
+     purpose|function|job|name ; ^ ?and you be $ ; you have name ; be you ?called|named \
+     BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; how be you =called ; \
+     call|named|name you ; who be =speaking|=talking|there|this ; what you be|call|called ; about \
+     yourself ; what HELPING|be i call you ; be this|that BEING ; what be this program ; identify|introduce \
+     yourself",
 );
 
 pub(super) const HELP: RequestKind = RequestKind::new(
     ["help", "helped"],
     Act::Tells(|_, _| Answer::tells(ABILITIES)),
-    "said: ^ help ; ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does \
-     THING|it work ; ^ i be stuck|lost|confused ; ^ COMMANDS ?please $ ; ^ sos ; told: give|show ?me|us .. \
-     COMMANDS ; guide|instruct|help|assist|teach me ; walk me through ; asked: what ?all you can|could|may \
-     do ; how this|THING|that work ; what to SPEAK|TELL|do ; what ?else|ALL|things|KIND|sort ?of \
-     ?SOME|THING HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; \
-     what ?KIND|THING|SOME ?of ?THING|SOME HELPING i|we|you ; what be you able|capable|good|for ; \
+    "said: ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does THING|it \
+     work ; ^ i be stuck|lost|confused ; ^ sos ; told: give|show ?me|us .. COMMANDS ; \
+     guide|instruct|help|assist|teach me ; walk me through ; asked: what ?all you can|could|may do ; how \
+     this|THING|that work ; what to SPEAK|TELL|do ; what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING \
+     you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; what ?KIND|THING|SOME \
+     ?of ?THING|SOME HELPING i|we|you ; what be you able|capable|good|for ; \
      what|which|list|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS ; help ?me|us ?out \
-     $ ; how HELPING|do i|we SPEAK|USE|TELL|get|make|work|GIVE ; what be possible ; what be my|the \
-     options|choices|possibilities ; what HELPING be =done|=asked|=said|done|asked ; be there ?any \
-     COMMANDS|help ; TELL ?me what you HELPING|KNOW|do|understand ; what you HELPING|understand|KNOW $ ; \
-     how .. ?to USE you ; what KIND|sort .. requests|COMMANDS ; what i HELPING|do ; how HELPING i ; be \
-     there SOME ?that you HELPING ; how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING \
-     do ; how do you work|function ; what next|now|else $ ; show me what you ?have ?got|can|know ; ^ \
-     COMMANDS",
+     $ ; what be possible ; what be my|the options|choices|possibilities ; what HELPING be \
+     =done|=asked|=said|done|asked ; be there ?any COMMANDS|help ; what you HELPING|understand|KNOW $ ; how \
+     .. ?to USE you ; what KIND|sort .. requests|COMMANDS ; what i HELPING|do ; how HELPING i ; be there \
+     SOME ?that you HELPING ; how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do ; how \
+     do you work|function ; what next|now|else $ ; show me what you ?have ?got|can|know ; ^ COMMANDS",
 );
 
 pub(super) const REPORT: RequestKind = RequestKind::new(
     ["report", "reported"],
     Act::Tells(Conversation::report),
-    "told: ^ summarise|summarize|recap|recount|sum ; TELL|give ?me|us ?short|brief \
-     story|summary|report|account|recap|rundown ; update|brief|debrief me ; fill me in ; the \
-     result|outcome|upshot|summary|story ; asked: if|whether THING|that|you =worked|work|PAST|have|did ; \
-     what you =did|=have|PAST ; how many times ; what ?have HAPPEN ; how do|be THING|that go|went|turn ; \
-     success|successful ; what be result|outcome|upshot ; what =went|=goes wrong|well|right ; be \
-     you|THING|ALL =done|=finished|finish|successful|through ; any luck|success|progress|news ; \
+    "told: ^ summarise|summarize|recap|recount|sum ; update|brief|debrief me ; fill me in ; the \
+     result|outcome|upshot|summary|story ; asked: what you =did|=have|PAST ; how many times ; what ?have \
+     HAPPEN ; how do|be THING|that go|went|turn ; success|successful ; what be result|outcome|upshot ; what \
+     =went|=goes wrong|well|right ; be you|THING|ALL =done|=finished|finish|successful|through ; \
      summary|report|recap|recount ; status|progress ; what be|have you|HAND =doing|=done ; ^ ?ALL \
      =done|=finished $ ; how would THING go ; =going|=happening on ; past: you ; what|how|where =went|go ; \
      how many time|times & you ; you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
-     THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; ^ ?so|and =did|=has|=had|=was|=have \
-     THING|SOME|BODY|you ; success|luck|work|successful ; BODY ; anything ; ^ HELPING|be you|THING|SOME ; \
-     how .. that ; what come|came of|out ; what have =been",
+     THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; success|luck|work|successful ; ^ HELPING|be \
+     you|THING|SOME ; how .. that ; what come|came of|out ; what have =been",
 );
 
 impl Conversation {

@@ -28,14 +28,12 @@ pub(super) const TOUCH: RequestKind = RequestKind::new(
      PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land ?your|one|both ?down|out \
      HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in ?CONTACT|touch|top|with \
      ?with|of THING|SOME ; make|have|get CONTACT|contact|touch ?with ; make|get|have ?in CONTACT with \
-     THING|SOME ; BODY .. rest|be ON THING ; USE HAND ?to|for|on ?TOUCH ; HAND ?should|must|be|GO \
-     ?be|go|should ?be ON THING ; HAND ON THING|SOME ; ^ HAND $ ; ^ ?but|and|do|try ?THING with|use HAND \
-     ?instead|now $ ; REACH ?out ?and|to|for TOUCH ; switch|change|swap ?over ?to HAND ; TOUCH & THING ; \
-     TOUCH THING with HAND|STICK ; HAND TOUCH THING ; THING with HAND ; ^ THING & other|instead ; HAND \
-     TOUCH ; TOUCH THING ?again ; PUT|lay|get .. HAND|finger|fingertip .. ON THING ; make|establish|get|see \
-     ?some ?physical contact|CONTACT ?between|with .. THING ; contact|CONTACT .. THING ; give THING .. \
-     TOUCH|dab|poke|tap|touch ; TOUCH ?of THING ; HAND .. ON|meet THING ; TOUCH THING ?with \
-     other|left|right ; establish contact|CONTACT ; ^ HAND only|now $ ; go for THING & !it",
+     THING|SOME ; USE HAND ?to|for|on ?TOUCH ; HAND ?should|must|be|GO ?be|go|should ?be ON THING ; HAND ON \
+     THING|SOME ; ^ HAND $ ; ^ ?but|and|do|try ?THING with|use HAND ?instead|now $ ; REACH ?out ?and|to|for \
+     TOUCH ; switch|change|swap ?over ?to HAND ; TOUCH & THING ; HAND TOUCH THING ; ^ THING & \
+     other|instead ; HAND TOUCH ; PUT|lay|get .. HAND|finger|fingertip .. ON THING ; contact|CONTACT .. \
+     THING ; give THING .. TOUCH|dab|poke|tap|touch ; TOUCH THING ?with other|left|right ; establish \
+     contact|CONTACT ; go for THING & !it",
 )
 .needs_body();
 
