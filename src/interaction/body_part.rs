@@ -73,100 +73,58 @@ impl BodyPart {
     }
 }
 
-/// How skin of an everyday name is found.
-enum Rule {
-    /// The farthest in a direction of a region: to the front, to its own side (or to the left), up.
-    Toward(&'static [&'static str], [f64; 3]),
-    /// About a joint by its name, or where two regions meet, in a direction.
-    About(&'static str, [&'static str; 2], [f64; 3]),
-    /// The farthest from where a region is carried.
-    Tip(&'static [&'static str]),
-    /// All of a region.
-    All(&'static [&'static str]),
-}
-
-/// An everyday name: its nouns, whether there is one on either side, whether skin of a side is a limb of that side, and how
-/// it is found.
-struct Everyday(&'static [&'static str], bool, Rule);
-
-const ARM: &[&str] = &["upper_arm", "forearm", "hand"];
-const LEG: &[&str] = &["thigh", "shank", "foot"];
-
-const EVERYDAY: &[Everyday] = &[
-    Everyday(&["nose", "tip of nose"], false, Rule::Toward(&["head"], [1.0, 0.0, 0.0])),
-    Everyday(&["mouth", "lip", "lips"], false, Rule::Toward(&["head"], [1.0, 0.0, -0.4])),
-    Everyday(&["chin", "jaw"], false, Rule::Toward(&["head"], [1.0, 0.0, -1.0])),
-    Everyday(&["forehead", "brow"], false, Rule::Toward(&["head"], [1.0, 0.0, 0.8])),
-    Everyday(&["face"], false, Rule::Toward(&["head"], [1.0, 0.0, 0.0])),
-    Everyday(&["back of head"], false, Rule::Toward(&["head"], [-1.0, 0.0, 0.0])),
-    Everyday(&["top of head", "crown", "scalp", "hair"], false, Rule::Toward(&["head"], [0.0, 0.0, 1.0])),
-    Everyday(&["cheek", "cheeks"], true, Rule::Toward(&["head"], [1.0, 0.9, -0.2])),
-    Everyday(&["eye", "eyes"], true, Rule::Toward(&["head"], [1.0, 0.5, 0.35])),
-    Everyday(&["temple", "temples"], true, Rule::Toward(&["head"], [0.5, 1.0, 0.3])),
-    Everyday(&["ear", "ears", "side of head"], true, Rule::Toward(&["head"], [0.0, 1.0, 0.0])),
-    Everyday(&["throat"], false, Rule::Toward(&["neck"], [1.0, 0.0, 0.0])),
-    Everyday(&["nape", "back of neck"], false, Rule::Toward(&["neck"], [-1.0, 0.0, 0.0])),
-    Everyday(
-        &["belly", "tummy", "stomach", "navel", "belly button", "waist"],
-        false,
-        Rule::Toward(&["abdomen"], [1.0, 0.0, 0.0]),
-    ),
-    Everyday(
-        &["breastbone", "sternum", "breast", "torso", "trunk"],
-        false,
-        Rule::Toward(&["chest"], [1.0, 0.0, 0.0]),
-    ),
-    Everyday(&["heart"], false, Rule::Toward(&["chest"], [1.0, 0.3, 0.0])),
-    Everyday(&["rib", "ribs"], true, Rule::Toward(&["chest"], [0.2, 1.0, -0.3])),
-    Everyday(&["collarbone", "clavicle"], true, Rule::Toward(&["chest"], [1.0, 0.6, 1.0])),
-    Everyday(&["shoulder blade"], true, Rule::Toward(&["chest"], [-1.0, 0.6, 0.5])),
-    Everyday(&["back", "upper back", "spine"], false, Rule::Toward(&["chest"], [-1.0, 0.0, 0.0])),
-    Everyday(&["lower back"], false, Rule::Toward(&["abdomen"], [-1.0, 0.0, 0.0])),
-    Everyday(&["hip", "hips"], true, Rule::Toward(&["pelvis"], [0.0, 1.0, 0.0])),
-    Everyday(&["bottom", "bum", "buttocks", "backside"], false, Rule::Toward(&["pelvis"], [-1.0, 0.0, -0.3])),
-    Everyday(&["armpit"], true, Rule::About("shoulder", ["upper_arm", "chest"], [0.0, -0.3, -1.0])),
-    Everyday(
-        &["shoulder", "shoulders"],
-        true,
-        Rule::About("shoulder", ["upper_arm", "chest"], [0.0, 1.0, 0.6]),
-    ),
-    Everyday(&["elbow", "elbows"], true, Rule::About("elbow", ["upper_arm", "forearm"], [-1.0, 0.3, 0.0])),
-    Everyday(&["wrist", "wrists"], true, Rule::About("wrist", ["forearm", "hand"], [0.0, 1.0, 0.0])),
-    Everyday(&["lower arm"], true, Rule::All(&["forearm"])),
-    Everyday(&["arm", "arms"], true, Rule::All(ARM)),
-    Everyday(&["upper arm", "upper arms"], true, Rule::All(&["upper_arm"])),
-    Everyday(&["palm", "palms", "palm of hand"], true, Rule::Toward(&["hand"], [0.0, -1.0, 0.0])),
-    Everyday(&["back of hand"], true, Rule::Toward(&["hand"], [0.0, 1.0, 0.0])),
-    Everyday(&["hand", "hands", "fist"], true, Rule::All(&["hand"])),
-    Everyday(&["knuckle", "knuckles"], true, Rule::Toward(&["hand"], [0.0, 1.0, -0.3])),
-    Everyday(&["thumb", "thumbs"], true, Rule::Toward(&["hand"], [1.0, 0.0, 0.0])),
-    Everyday(
-        &[
-            "finger",
-            "fingers",
-            "fingertip",
-            "fingertips",
-            "index",
-            "index finger",
-            "middle finger",
-            "ring finger",
-            "little finger",
-        ],
-        true,
-        Rule::Tip(&["hand"]),
-    ),
-    Everyday(&["lap"], true, Rule::Toward(&["thigh"], [1.0, 0.0, 0.6])),
-    Everyday(&["upper leg", "thighs"], true, Rule::All(&["thigh"])),
-    Everyday(&["leg", "legs"], true, Rule::All(LEG)),
-    Everyday(&["knee", "knees"], true, Rule::About("knee", ["thigh", "shank"], [1.0, 0.0, 0.0])),
-    Everyday(&["shin", "shins", "lower leg"], true, Rule::Toward(&["shank"], [1.0, 0.0, 0.0])),
-    Everyday(&["calf", "calves"], true, Rule::Toward(&["shank"], [-1.0, 0.0, 0.0])),
-    Everyday(&["ankle", "ankles"], true, Rule::About("ankle", ["shank", "foot"], [0.0, 1.0, 0.0])),
-    Everyday(&["foot", "feet"], true, Rule::All(&["foot"])),
-    Everyday(&["heel", "heels"], true, Rule::Toward(&["foot"], [-1.0, 0.0, -0.5])),
-    Everyday(&["toe", "toes", "big toe"], true, Rule::Toward(&["foot"], [1.0, 0.0, 0.0])),
-    Everyday(&["sole", "soles", "sole of foot"], true, Rule::Toward(&["foot"], [0.0, 0.0, -1.0])),
-    Everyday(&["skin", "body"], false, Rule::Toward(&["chest", "abdomen"], [1.0, 0.0, 0.0])),
+/// Everyday names, with a star where there is one on either side, and how skin of the name is found: the farthest of some regions to
+/// the front, to its own side (or to the left), and up; about a joint by its name, or where two regions meet, in such a direction;
+/// the `tip` of a region, farthest from where that is carried; or `all` of some.
+const EVERYDAY: &[&str] = &[
+    "nose,tip of nose: head 1 0 0",
+    "mouth,lip,lips: head 1 0 -0.4",
+    "chin,jaw: head 1 0 -1",
+    "forehead,brow: head 1 0 0.8",
+    "face: head 1 0 0",
+    "back of head: head -1 0 0",
+    "top of head,crown,scalp,hair: head 0 0 1",
+    "cheek,cheeks*: head 1 0.9 -0.2",
+    "eye,eyes*: head 1 0.5 0.35",
+    "temple,temples*: head 0.5 1 0.3",
+    "ear,ears,side of head*: head 0 1 0",
+    "throat: neck 1 0 0",
+    "nape,back of neck: neck -1 0 0",
+    "belly,tummy,stomach,navel,belly button,waist: abdomen 1 0 0",
+    "breastbone,sternum,breast,torso,trunk: chest 1 0 0",
+    "heart: chest 1 0.3 0",
+    "rib,ribs*: chest 0.2 1 -0.3",
+    "collarbone,clavicle*: chest 1 0.6 1",
+    "shoulder blade*: chest -1 0.6 0.5",
+    "back,upper back,spine: chest -1 0 0",
+    "lower back: abdomen -1 0 0",
+    "hip,hips*: pelvis 0 1 0",
+    "bottom,bum,buttocks,backside: pelvis -1 0 -0.3",
+    "armpit*: shoulder of upper_arm chest 0 -0.3 -1",
+    "shoulder,shoulders*: shoulder of upper_arm chest 0 1 0.6",
+    "elbow,elbows*: elbow of upper_arm forearm -1 0.3 0",
+    "wrist,wrists*: wrist of forearm hand 0 1 0",
+    "lower arm*: all forearm",
+    "arm,arms*: all upper_arm forearm hand",
+    "upper arm,upper arms*: all upper_arm",
+    "palm,palms,palm of hand*: hand 0 -1 0",
+    "back of hand*: hand 0 1 0",
+    "hand,hands,fist*: all hand",
+    "knuckle,knuckles*: hand 0 1 -0.3",
+    "thumb,thumbs*: hand 1 0 0",
+    "finger,fingers,fingertip,fingertips,index,index finger,middle finger,ring finger,little finger*: tip hand",
+    "lap*: thigh 1 0 0.6",
+    "upper leg,thighs*: all thigh",
+    "leg,legs*: all thigh shank foot",
+    "knee,knees*: knee of thigh shank 1 0 0",
+    "shin,shins,lower leg*: shank 1 0 0",
+    "calf,calves*: shank -1 0 0",
+    "ankle,ankles*: ankle of shank foot 0 1 0",
+    "foot,feet*: all foot",
+    "heel,heels*: foot -1 0 -0.5",
+    "toe,toes,big toe*: foot 1 0 0",
+    "sole,soles,sole of foot*: foot 0 0 -1",
+    "skin,body: chest abdomen 1 0 0",
 ];
 
 /// The parts that a name may mean, most often one; both where there is one on either side and none is named. `touching` is
@@ -323,12 +281,17 @@ impl PosedBody<'_> {
         let side = words.iter().map(String::as_str).find(is_side);
         let noun: Vec<&str> = words.iter().map(String::as_str).filter(|word| !is_side(word)).collect();
         let noun = noun.join(" ");
-        let Everyday(nouns, sided, rule) =
-            EVERYDAY.iter().find(|Everyday(nouns, ..)| nouns.contains(&noun.as_str()))?;
+        let rows = EVERYDAY.iter().filter_map(|row| row.split_once(": "));
+        let named = |nouns: &str| nouns.trim_end_matches('*').split(',').any(|other| other == noun);
+        let (nouns, rule) = rows.into_iter().find(|(nouns, _)| named(nouns))?;
+        let (sided, mut numbers) =
+            (nouns.ends_with('*'), rule.split(' ').filter_map(|word| word.parse().ok()));
+        let toward = [(); 3].map(|()| numbers.next().unwrap_or(0.0));
+        let rule: Vec<&str> = rule.split(' ').filter(|word| word.parse::<f64>().is_err()).collect();
         // "Your hands" are the left hand and the right hand.
-        let one =
-            nouns.first().filter(|one| noun == format!("{one}s") || ["feet", "calves"].contains(&&*noun));
-        let noun = one.filter(|_| *sided).map_or(noun.as_str(), |one| *one);
+        let one = nouns.split([',', '*']).next();
+        let one = one.filter(|one| noun == format!("{one}s") || ["feet", "calves"].contains(&&*noun));
+        let noun = one.filter(|_| sided).unwrap_or(&noun);
         let sides: Vec<Option<&str>> = match (sided, side) {
             (false, _) => vec![None],
             (true, Some(side)) => vec![Some(side)],
@@ -336,18 +299,19 @@ impl PosedBody<'_> {
         };
         let found = sides.into_iter().filter_map(|side| {
             let name = side.map_or(noun.to_string(), |side| format!("{side} {noun}"));
-            match rule {
-                _ if tip => self.tip(format!("{name} tip"), self.regions(rule.regions(), side)),
-                Rule::All(names) => self.whole(name, self.regions(names, side)),
-                Rule::Tip(names) => self.tip(name, self.regions(names, side)),
-                Rule::Toward(names, toward) => {
-                    let toward = self.direction(*toward, side);
+            let toward = self.direction(toward, side);
+            match rule.as_slice() {
+                [_, "of", ..] if tip => None,
+                ["all" | "tip", names @ ..] | names if tip => {
+                    self.tip(format!("{name} tip"), self.regions(names, side))
+                }
+                ["all", names @ ..] => self.whole(name, self.regions(names, side)),
+                ["tip", names @ ..] => self.tip(name, self.regions(names, side)),
+                [joint, "of", names @ ..] => self.about(name, joint, names, toward, side),
+                names => {
                     let skin = self.regions(names, side);
                     let facing = |r: usize| -(self.at(r).dot(&toward) + 0.02 * self.outward(r).dot(&toward));
                     self.sorted(name, skin, facing, None)
-                }
-                Rule::About(joint, names, toward) => {
-                    self.about(name, joint, names, self.direction(*toward, side), side)
                 }
             }
         });
@@ -401,15 +365,6 @@ impl PosedBody<'_> {
             skin = having(&telling);
         }
         self.part(name, skin, tip).map(|part| vec![part])
-    }
-}
-
-impl Rule {
-    fn regions(&self) -> &'static [&'static str] {
-        match self {
-            Rule::Toward(names, _) | Rule::Tip(names) | Rule::All(names) => names,
-            Rule::About(..) => &[],
-        }
     }
 }
 
