@@ -193,21 +193,11 @@ fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense
     {
         return (Sense::Word, 1);
     }
-    // "Hands on head!"
-    if after("on")
-        && let ["head" | "face" | "heart" | "lap"] = texts.as_slice()
-    {
-        return (Sense::Part(PartName { words: vec![texts[0].to_string()] }), 1);
-    }
     // "Lower both arms."
     if texts.starts_with(&["lower", "both"]) {
         return (Sense::Word, 1);
     }
-    // "The left-hand side" is no hand.
-    let side = |end: usize| {
-        texts[end - 1] == "hand" && texts.get(end).is_some_and(|next| ["side", "end", "edge"].contains(next))
-    };
-    let named = names.at(&texts).filter(|(_, end)| !after("my our her their a an") && !side(*end));
+    let named = names.at(&texts).filter(|_| !after("my our her their a an"));
     if let Some((part, length)) = named {
         return (if part.is_hand() { Sense::Hand(part) } else { Sense::Part(part) }, length);
     }
