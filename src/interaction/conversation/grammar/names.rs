@@ -31,12 +31,6 @@ const OWNERS: &[&str] = &["your", "his", "own", "upper", "lower", "yourself"];
 /// The nouns of what acts.
 const HANDS: &str = "hand hands arm arms palm palms fist finger fingers fingertip fingertips";
 
-/// Whether a word names a part of a body and nothing else.
-pub(super) fn is_part(noun: &str) -> bool {
-    let names = |list: &str| list.split_whitespace().any(|name| name == noun);
-    names(NOUNS) && !names(HANDS) && !DOUBTFUL.contains(&noun)
-}
-
 /// A part of the body as it was named.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartName {

@@ -1,7 +1,6 @@
 //! An utterance's words: lower case, short forms resolved, each with its lemma and form.
 
 use super::lexicon::{Form, Lexicon};
-use super::names::is_part;
 
 /// What ends a clause, or a sentence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,30 +76,7 @@ pub(super) fn words(heard: &str, lexicon: &Lexicon) -> Vec<Word> {
             last.mark = last.mark.max(mark);
         }
     }
-    heard_right(&mut words, lexicon);
     words
-}
-
-/// Words that sound like another, the words before which they are meant for it, and that one.
-const SOUNDING: [(&str, &str, &str); 2] =
-    [("were", "is are do does did can", "where"), ("their", "is are anything something any", "there")];
-
-/// Puts what was meant in the place of what sounds like it: "were is it", "touch you nose".
-fn heard_right(words: &mut [Word], lexicon: &Lexicon) {
-    for k in 0..words.len() {
-        let next = |ahead: usize| words.get(k + ahead).map_or("", |word| word.text.as_str());
-        let noun = if ["left", "right"].contains(&next(1)) { next(2) } else { next(1) };
-        let meant = SOUNDING.iter().find(|(word, before, _)| {
-            words[k].text == *word && before.split(' ').any(|before| before == next(1))
-        });
-        let meant = meant.map(|(.., meant)| *meant).or_else(|| {
-            let begins = k == 0 || words[k - 1].form == Form::Other;
-            (words[k].text == "you" && !begins && is_part(noun)).then_some("your")
-        });
-        if let Some(meant) = meant {
-            words[k] = Word { mark: words[k].mark, ..lexicon.word(meant) };
-        }
-    }
 }
 
 /// Whether something is quoted: what others say asks for nothing.
