@@ -229,9 +229,6 @@ impl Language {
         let told =
             found.iter().find(|meant| heads(meant)).or(found.iter().find(|meant| moves(meant))).copied();
         let wanted = match (wanted, told) {
-            (Some((Intent::TakeStick, k, _)), Some((Intent::Lift, at, heads))) if k < at => {
-                Some((Intent::TakeStick, at, heads))
-            }
             (Some((_, k, _)), Some(told)) if !commands(k) && clauses[k].mark >= Some(Mark::Pause) => {
                 Some(told)
             }
