@@ -34,7 +34,7 @@ const CONTACT_DEVIATION: f64 = 1e-4;
 const GAP_DEVIATION: f64 = 1e-3;
 /// One linearization, and the damped steps until one is accepted.
 const ONE_ITERATION: Stopping =
-    Stopping { iterations: 1, relative_cost: 0.0, cost: 0.0, deadline: Deadline::NEVER };
+    Stopping { iterations: 1, relative_cost: 0.0, cost: 0.0, deadline: Deadline::Never };
 
 /// Touches of exact points on `creature`, made ready for a solver.
 fn prepare(agent: &Agent, touches: &[RecordedTouch]) -> TouchSet {

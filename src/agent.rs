@@ -80,33 +80,29 @@ impl Agent {
 
 /// The first fault of a receptor of a skin, and the fix.
 fn receptor_fault(receptor: &Receptor, limbs: usize, skin: &Skin) -> Option<String> {
-    if receptor.limb >= limbs {
-        return Some("is on a limb that does not exist: give it one of the creature's limbs".into());
-    }
-    if let Some(surface) = receptor.surface {
-        let Some(found) = skin.surfaces.get(surface) else {
-            return Some("is on a surface that does not exist: give it one of the skin's surfaces".into());
-        };
-        if found.limb != receptor.limb {
-            return Some(format!(
-                "is on another limb than its surface {surface} (from 0): mend one of the two"
-            ));
-        }
-    }
+    let surface = receptor.surface.map(|surface| (surface, skin.surfaces.get(surface)));
     let vectors = [&receptor.position, &receptor.normal, &receptor.tangent];
     let mut numbers = vectors.into_iter().flatten().chain(&receptor.half_extents);
-    if !numbers.all(|number| number.is_finite()) {
-        return Some("has a number that is not finite: give a finite one".into());
+    if receptor.limb >= limbs {
+        Some("is on a limb that does not exist: give it one of the creature's limbs".into())
+    } else if let Some((_, None)) = surface {
+        Some("is on a surface that does not exist: give it one of the skin's surfaces".into())
+    } else if let Some((surface, Some(found))) = surface
+        && found.limb != receptor.limb
+    {
+        Some(format!("is on another limb than its surface {surface} (from 0): mend one of the two"))
+    } else if !numbers.all(|number| number.is_finite()) {
+        Some("has a number that is not finite: give a finite one".into())
+    } else {
+        let across = receptor.normal.dot(&receptor.tangent).abs() > plausible::UNIT;
+        let across =
+            across.then_some("has a tangent that is not across its normal: give one at right angles to it");
+        plausible::place_fault(&receptor.position)
+            .or_else(|| plausible::extent_fault(&receptor.half_extents))
+            .or_else(|| plausible::direction_fault(&receptor.normal))
+            .or_else(|| plausible::direction_fault(&receptor.tangent))
+            .or(across.map(str::to_string))
     }
-    let across = receptor.normal.dot(&receptor.tangent).abs() > plausible::UNIT;
-    plausible::place_fault(&receptor.position)
-        .or_else(|| plausible::extent_fault(&receptor.half_extents))
-        .or_else(|| plausible::direction_fault(&receptor.normal))
-        .or_else(|| plausible::direction_fault(&receptor.tangent))
-        .or_else(|| {
-            across
-                .then(|| "has a tangent that is not across its normal: give one at right angles to it".into())
-        })
 }
 
 fn check(creature: &Creature, skin: &Skin) -> Result<(), Error> {

@@ -17,10 +17,10 @@ const A_SECOND: f64 = 4e9;
 /// A point after which nothing more is begun; by default there is none. What is under way then is brought to its end, so
 /// that everything that was begun can be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Deadline(Option<Moment>);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Moment {
+pub enum Deadline {
+    /// No such moment.
+    #[default]
+    Never,
     /// On the clock.
     Clock(Instant),
     /// When so much work is done.
@@ -67,55 +67,48 @@ impl Tally {
 }
 
 impl Deadline {
-    /// No such moment.
-    pub const NEVER: Deadline = Deadline(None);
-
     /// The moment after a time from `began` on; none where that is farther off than time can be told.
     pub fn after(began: Instant, time: Duration) -> Deadline {
-        Deadline(began.checked_add(time).map(Moment::Clock))
+        began.checked_add(time).map_or(Deadline::Never, Deadline::Clock)
     }
 
     /// When this thread, and those that work for it, have done as much more as a core does in so many seconds: as much on a busy
     /// computer as on an idle one.
     pub fn after_work_of(seconds: f64) -> Deadline {
-        Deadline(Some(Moment::Worked(TALLY.get().work.saturating_add((seconds * A_SECOND) as u64))))
+        Deadline::Worked(worked().saturating_add((seconds * A_SECOND) as u64))
     }
 
     /// The same where work was put aside when `then` had been [`worked`], and goes on here: what was done since does not
     /// count.
     pub fn resumed(self, then: u64) -> Deadline {
-        match self.0 {
-            Some(Moment::Worked(work)) => {
-                Deadline(Some(Moment::Worked(work.saturating_sub(then).saturating_add(worked()))))
-            }
+        match self {
+            Deadline::Worked(work) => Deadline::Worked(work.saturating_sub(then).saturating_add(worked())),
             _ => self,
         }
     }
 
     /// The time until then; none where the clock does not tell.
     pub fn left(&self) -> Option<Duration> {
-        match self.0 {
-            Some(Moment::Clock(moment)) => Some(moment.saturating_duration_since(Instant::now())),
-            Some(Moment::Worked(_)) | None => None,
+        match self {
+            Deadline::Clock(moment) => Some(moment.saturating_duration_since(Instant::now())),
+            Deadline::Worked(_) | Deadline::Never => None,
         }
     }
 
     /// What it limits.
     pub fn limit(&self) -> Limit {
-        if matches!(self.0, Some(Moment::Clock(_))) { Limit::Seconds } else { Limit::Work }
+        if matches!(self, Deadline::Clock(_)) { Limit::Seconds } else { Limit::Work }
     }
 
     /// Whether it has come, asked by who would begin something else.
     pub fn has_passed(&self) -> bool {
-        let passed = match self.0 {
-            Some(Moment::Clock(moment)) => moment <= Instant::now(),
-            Some(Moment::Worked(work)) => work <= TALLY.get().work,
-            None => false,
+        let ended = match self {
+            Deadline::Clock(moment) => *moment <= Instant::now(),
+            Deadline::Worked(work) => *work <= worked(),
+            Deadline::Never => false,
         };
-        if passed {
-            TALLY.set(Tally { ended: true, ..TALLY.get() });
-        }
-        passed
+        count(Tally { work: 0, ended });
+        ended
     }
 }
 
@@ -174,9 +167,9 @@ mod tests {
         assert!(Deadline::after(began, Duration::ZERO).has_passed());
         assert!(!Deadline::after(began, Duration::from_secs(3600)).has_passed());
         assert!(!Deadline::after(began, Duration::MAX).has_passed());
-        assert!(!Deadline::NEVER.has_passed());
+        assert!(!Deadline::Never.has_passed());
         assert_eq!(
-            [Deadline::NEVER, Deadline::after(began, Duration::ZERO)].map(|d| d.left()),
+            [Deadline::Never, Deadline::after(began, Duration::ZERO)].map(|d| d.left()),
             [None, Some(Duration::ZERO)]
         );
     }

@@ -41,7 +41,7 @@ macro_rules! named {
     ($type:ident, $what:literal, { $($variant:ident => $name:literal),+ $(,)? }) => {
         impl $type {
             /// All values, in the order in which they are named to the user.
-            pub const ALL: &[$type] = &[$($type::$variant),+];
+            pub const ALL: [$type; [$($name),+].len()] = [$($type::$variant),+];
 
             /// Its name.
             pub fn name(self) -> &'static str {
@@ -61,7 +61,7 @@ macro_rules! named {
             type Err = $crate::error::Error;
 
             fn from_str(name: &str) -> Result<$type, $crate::error::Error> {
-                let found = $type::ALL.iter().copied().find(|value| value.name() == name);
+                let found = $type::ALL.into_iter().find(|value| value.name() == name);
                 found.ok_or_else(|| $crate::named::unknown_name($what, name, &[$($name),+]))
             }
         }

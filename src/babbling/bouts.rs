@@ -167,7 +167,7 @@ mod tests {
             }
             Ok(())
         };
-        let done = gather(&mut bouts, BoutsDone::default(), end, (3, Deadline::NEVER), receive);
+        let done = gather(&mut bouts, BoutsDone::default(), end, (3, Deadline::Never), receive);
         (received, done.expect("no bout fails"))
     }
 

@@ -66,7 +66,7 @@ impl<'a> Babbler<'a> {
     /// An agent that babbles by these movers of its body.
     pub fn new(movers: Movers<'a>) -> Babbler<'a> {
         let fruitless_bouts = if movers.is_dynamic() { FRUITLESS_DYNAMIC_BOUTS } else { FRUITLESS_BOUTS };
-        Babbler { movers, fruitless_bouts, deadline: Deadline::NEVER, input: Input::Receptor }
+        Babbler { movers, fruitless_bouts, deadline: Deadline::Never, input: Input::Receptor }
     }
 
     /// The same that begins no motion after a deadline: its touches are the first ones of those that it would have made.

@@ -42,7 +42,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let contact = SelfContact::new(&learned)?;
     let (skin, own) = skin_for(&args.model, &body, &Bars::default())?;
     let frames = body.limb_frames(&body.reference_data()?);
-    let map = SomatotopicMap::new(&body.creature, &skin, std::slice::from_ref(&frames));
+    let map = SomatotopicMap::new(&body.creature, &skin, &frames);
     let auras = aura_of(&body, &skin, &frames);
     let sensors = joint_sensors(&body);
     spinner.finish_and_clear();

@@ -1,6 +1,6 @@
 //! Reading a creature from a MuJoCo model.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -245,22 +245,26 @@ fn unused(name: String, joints: &[Joint]) -> String {
     (2..).map(|k| format!("{name}_{k}")).find(|name| !taken(name)).expect("some number is free")
 }
 
+/// The bodies that the model's tuples put into aura limbs, in the model's order: the limb's name, the body, and the number that the
+/// tuple attaches to it.
+pub(crate) fn limb_bodies(model: &Model) -> Vec<(&str, usize, f64)> {
+    let tuples = model.tuples().into_iter();
+    let named = tuples.filter_map(|tuple| Some((tuple.name?.strip_prefix(LIMB_TUPLE)?, tuple.entries)));
+    let bodies = named.flat_map(|(name, entries)| entries.into_iter().map(move |entry| (name, entry)));
+    let bodies = bodies.filter(|(_, entry)| entry.object == ObjectKind::Body);
+    bodies.map(|(name, entry)| (name, entry.id, entry.prm)).collect()
+}
+
 /// The aura limbs that the model's tuples define; each limb by itself where it defines none.
 fn aura_limbs(model: &Model, limbs: &[String], limb_of_body: &[Option<usize>]) -> Vec<AuraLimb> {
-    let mut auras = Vec::new();
-    let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
-    for tuple in model.tuples() {
-        let Some(name) = tuple.name.and_then(|name| name.strip_prefix(LIMB_TUPLE)) else { continue };
-        let mut members = Vec::new();
-        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Body) {
-            let Some(limb) = limb_of_body[entry.id] else { continue };
-            // With joints held, several aura limbs can be one limb: it goes to the first that names it.
-            if taken.insert(limb, auras.len()).is_none() {
-                members.push(limb);
-            }
-        }
-        if !members.is_empty() {
-            auras.push(AuraLimb { name: name.to_string(), limbs: members });
+    let mut auras: Vec<AuraLimb> = Vec::new();
+    let mut taken = BTreeSet::new();
+    for (name, body, _) in limb_bodies(model) {
+        // With joints held, several aura limbs can be one limb: it goes to the first that names it.
+        let Some(limb) = limb_of_body[body].filter(|limb| taken.insert(*limb)) else { continue };
+        match auras.last_mut().filter(|aura| aura.name == name) {
+            Some(aura) => aura.limbs.push(limb),
+            None => auras.push(AuraLimb { name: name.to_string(), limbs: vec![limb] }),
         }
     }
     for (limb, name) in limbs.iter().enumerate() {
@@ -268,7 +272,7 @@ fn aura_limbs(model: &Model, limbs: &[String], limb_of_body: &[Option<usize>]) -
             .bodies()
             .enumerate()
             .any(|(body, info)| limb_of_body[body] == Some(limb) && !info.geoms.is_empty());
-        if !taken.contains_key(&limb) && bears_geoms {
+        if !taken.contains(&limb) && bears_geoms {
             let mut name = name.clone();
             while auras.iter().any(|aura| aura.name == name) {
                 name.push('_');

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
 pub use coupling::Coupling;
-pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limits, matrix, span};
+pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limb_bodies, limits, matrix, span};
 pub(crate) use names::{body_name, joint_name, site_name};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub(crate) use selection::largest;
@@ -143,11 +143,7 @@ pub struct AuraLimb {
 /// Limb 0 is the root; joint i carries limb i + 1, and every limb comes after its parent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
-pub struct Creature {
-    parts: Parts,
-    coordinates: usize,
-    elements: usize,
-}
+pub struct Creature(Parts);
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object")]
@@ -161,7 +157,7 @@ struct Parts {
 
 impl From<Creature> for Parts {
     fn from(creature: Creature) -> Parts {
-        creature.parts
+        creature.0
     }
 }
 
@@ -240,14 +236,13 @@ impl Creature {
         if let Some(aura) = aura_limbs.iter().find(|a| a.limbs.iter().any(|&l| l >= limbs.len())) {
             return fault(format!("aura limb {} names a limb that does not exist", aura.name));
         }
-        let parts = Parts { name, limbs, joints, aura_limbs };
-        Ok(Creature { parts, coordinates, elements })
+        Ok(Creature(Parts { name, limbs, joints, aura_limbs }))
     }
 
     /// The same creature with the ranges that some postures visit; those of couplings, and of balls, stay as they are.
     pub fn visited<'a>(&self, postures: impl Iterator<Item = &'a Posture> + Clone) -> Creature {
         let mut narrowed = self.clone();
-        for joint in &mut narrowed.parts.joints {
+        for joint in &mut narrowed.0.joints {
             let elements: Vec<DofElement> = joint.elements().collect();
             let ranges: Vec<Option<[f64; 2]>> = elements
                 .iter()
@@ -271,7 +266,7 @@ impl Creature {
         let factor = |kind: DofKind| if kind == DofKind::Slide { by } else { 1.0 };
         let factors: Vec<f64> = self.dofs().map(|dof| factor(dof.kind)).collect();
         let mut scaled = self.clone();
-        for dof in scaled.parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs) {
+        for dof in scaled.0.joints.iter_mut().flat_map(|joint| &mut joint.dofs) {
             let own = factor(dof.kind);
             dof.range = dof.range.map(|end| own * end);
             if let Some(coupling) = &mut dof.follows {
@@ -287,22 +282,22 @@ impl Creature {
 
     /// The model's name.
     pub fn name(&self) -> &str {
-        &self.parts.name
+        &self.0.name
     }
 
     /// The limbs' names; limb 0 is the root, limb i + 1 is carried by joint i.
     pub fn limbs(&self) -> &[String] {
-        &self.parts.limbs
+        &self.0.limbs
     }
 
     /// The joints, parents first.
     pub fn joints(&self) -> &[Joint] {
-        &self.parts.joints
+        &self.0.joints
     }
 
     /// The named parts of the surface.
     pub fn aura_limbs(&self) -> &[AuraLimb] {
-        &self.parts.aura_limbs
+        &self.0.aura_limbs
     }
 
     /// All degrees of freedom in the order of their axes.
@@ -317,7 +312,7 @@ impl Creature {
 
     /// The number of hinges, slides and balls: the number of axes in a schema.
     pub fn dof_elements(&self) -> usize {
-        self.elements
+        self.joints().last().map_or(0, |joint| joint.dof_indices().end)
     }
 
     /// The number of degrees of freedom (a ball counts three).
@@ -327,7 +322,7 @@ impl Creature {
 
     /// How many numbers a posture has.
     pub fn coordinates(&self) -> usize {
-        self.coordinates
+        self.joints().last().map_or(0, |joint| joint.coordinates().end)
     }
 
     /// The reference posture: every angle and distance zero.

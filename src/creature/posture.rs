@@ -194,21 +194,9 @@ impl DerefMut for Posture {
     }
 }
 
-impl From<Vec<f64>> for Posture {
-    fn from(coordinates: Vec<f64>) -> Posture {
-        Posture(coordinates)
-    }
-}
-
-impl From<&[f64]> for Posture {
-    fn from(coordinates: &[f64]) -> Posture {
-        Posture(coordinates.to_vec())
-    }
-}
-
-impl From<Posture> for Vec<f64> {
-    fn from(posture: Posture) -> Vec<f64> {
-        posture.0
+impl<T: Into<Vec<f64>>> From<T> for Posture {
+    fn from(coordinates: T) -> Posture {
+        Posture(coordinates.into())
     }
 }
 

@@ -52,7 +52,7 @@ pub struct AnnealingLimits {
 
 impl Default for AnnealingLimits {
     fn default() -> AnnealingLimits {
-        AnnealingLimits { narrowest: NARROWEST, deadline: Deadline::NEVER, exact: false }
+        AnnealingLimits { narrowest: NARROWEST, deadline: Deadline::Never, exact: false }
     }
 }
 

@@ -122,7 +122,7 @@ fn twin(
     }
     others.into_iter().find_map(|other| {
         let stopping =
-            Stopping { iterations: STEPS, relative_cost: 1e-6, cost: 0.0, deadline: Deadline::NEVER };
+            Stopping { iterations: STEPS, relative_cost: 1e-6, cost: 0.0, deadline: Deadline::Never };
         let mut problem = TouchProblem::new(creature, &few, &parameters, PointsMeet::Anyhow);
         let other = levenberg_marquardt(&mut problem, other, stopping).state;
         let is_turned = |joint: &usize| {

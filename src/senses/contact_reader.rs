@@ -17,11 +17,9 @@ pub const FAINT: f64 = 1e-3;
 /// A place of a contact on the skin, as the engine computes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinPlace {
-    /// The limb.
-    pub limb: usize,
     /// The receptor that feels it.
     pub receptor: usize,
-    /// The exact point in the limb's frame, metres.
+    /// The exact point in the frame of the receptor's limb, metres.
     pub point: Vector3<f64>,
 }
 
@@ -41,8 +39,6 @@ pub enum Reading {
 /// Reads contacts by the skin of one body.
 #[derive(Clone, Debug)]
 pub struct ContactReader {
-    /// Per geom, the receptors that lie on it.
-    receptors_on_geom: Vec<Vec<usize>>,
     /// Per limb, its receptors.
     receptors_on_limb: Vec<Vec<usize>>,
     /// Per receptor, where its own `touch` sensor is among the numbers of all sensors.
@@ -52,7 +48,6 @@ pub struct ContactReader {
 impl ContactReader {
     /// A reader for the body and its skin.
     pub fn new(body: &Body, skin: &Skin) -> ContactReader {
-        let receptors_on_geom = skin.receptors_by_geom(body.model.ngeom());
         let mut sensor_of_receptor = vec![None; skin.receptors.len()];
         for sensor in body.model.sensors() {
             if let (SensorKind::Touch, ObjectKind::Site, Some(site)) = (sensor.kind, sensor.object, sensor.id)
@@ -63,7 +58,7 @@ impl ContactReader {
         }
         let mut receptors_on_limb = vec![Vec::new(); body.creature.limbs().len()];
         skin.receptors.iter().enumerate().for_each(|(r, of)| receptors_on_limb[of.limb].push(r));
-        ContactReader { receptors_on_geom, receptors_on_limb, sensor_of_receptor }
+        ContactReader { receptors_on_limb, sensor_of_receptor }
     }
 
     /// Reads one contact of `data`, in whose posture poses are computed, by where it is.
@@ -74,9 +69,9 @@ impl ContactReader {
             return Reading::Neighbours;
         }
         let place = |side: usize| {
-            let (point, outward) = in_limb(body, data, contact, side);
-            let receptor = self.nearest(skin, contact.geoms[side], &point, &outward)?;
-            Some(SkinPlace { limb: skin.receptors[receptor].limb, receptor, point })
+            let side = Side::new(body, data, contact, side)?;
+            let receptor = self.nearest(skin, &side)?;
+            Some(SkinPlace { receptor, point: side.point })
         };
         match [place(0), place(1)] {
             [Some(first), Some(second)] if a <= b => Reading::Touch([first, second]),
@@ -97,7 +92,10 @@ impl ContactReader {
             {
                 continue;
             }
-            let sides = [0, 1].map(|side| self.fired(body, skin, data, &contact, side));
+            let sides = [0, 1].map(|side| match Side::new(body, data, &contact, side) {
+                Some(side) => self.fired(skin, data, &side),
+                None => Vec::new(),
+            });
             let mut feel = |receptor: usize, by: Toucher, reading: Option<f64>| {
                 let same = |other: &&mut SkinContact| other.spot.receptor == receptor && other.by == by;
                 match (found.iter_mut().find(same), reading) {
@@ -129,25 +127,14 @@ impl ContactReader {
 
     /// The receptors at one side of a contact that presses which fire, each with what its sensor reads, newtons; if no sensor
     /// reads it, the nearest. Those on the touched surface come first: a patch may lie over another surface of its limb.
-    fn fired(
-        &self,
-        body: &Body,
-        skin: &Skin,
-        data: &Data,
-        contact: &Contact,
-        side: usize,
-    ) -> Vec<(usize, Option<f64>)> {
-        let geom = contact.geoms[side];
-        let Some(limb) = body.limb_of_geom(geom) else { return Vec::new() };
-        let (point, outward) = in_limb(body, data, contact, side);
-        let reads = |r: &&usize| skin.receptors[**r].reads(&point, &outward);
+    fn fired(&self, skin: &Skin, data: &Data, side: &Side) -> Vec<(usize, Option<f64>)> {
+        let reads = |r: &&usize| skin.receptors[**r].reads(&side.point, &side.outward);
         let reading = |&r: &usize| Some((r, Some(self.sensor_reading(data, r).filter(|f| *f >= FAINT)?)));
         let mut fired: Vec<(usize, Option<f64>)> =
-            self.receptors_on_limb[limb].iter().filter(reads).filter_map(reading).collect();
-        fired.sort_by_key(|(receptor, _)| !self.receptors_on_geom[geom].contains(receptor));
+            self.receptors_on_limb[side.limb].iter().filter(reads).filter_map(reading).collect();
+        fired.sort_by_key(|(receptor, _)| !skin.is_on(*receptor, side.geom));
         if fired.is_empty() {
-            let nearest = self.nearest(skin, geom, &point, &outward);
-            fired.extend(nearest.map(|receptor| (receptor, None)));
+            fired.extend(self.nearest(skin, side).map(|receptor| (receptor, None)));
         }
         fired
     }
@@ -158,28 +145,36 @@ impl ContactReader {
         data.model().has_sensors_enabled().then(|| data.sensordata()[address])
     }
 
-    /// The nearest receptor on the geom whose patch holds a point of its limb.
-    fn nearest(
-        &self,
-        skin: &Skin,
-        geom: usize,
-        point: &Vector3<f64>,
-        outward: &Vector3<f64>,
-    ) -> Option<usize> {
-        let distance = |r: usize| (skin.receptors[r].position - point).norm_squared();
-        let receptors = self.receptors_on_geom[geom].iter().copied();
-        let feel = receptors.filter(|&r| skin.receptors[r].feels(point, outward));
-        feel.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    /// The nearest receptor on the touched geom whose patch holds the point.
+    fn nearest(&self, skin: &Skin, side: &Side) -> Option<usize> {
+        let distance = |r: usize| (skin.receptors[r].position - side.point).norm_squared();
+        let feels =
+            |r: &usize| skin.is_on(*r, side.geom) && skin.receptors[*r].feels(&side.point, &side.outward);
+        let receptors = self.receptors_on_limb[side.limb].iter().copied().filter(feels);
+        receptors.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
     }
 }
 
-/// The point of a contact and the outward normal at one of its sides, in the frame of the limb there.
-fn in_limb(body: &Body, data: &Data, contact: &Contact, side: usize) -> (Vector3<f64>, Vector3<f64>) {
-    let mujoco_body = body.model.geom_body(contact.geoms[side]);
-    let x_wb = data.body_pose(mujoco_body);
-    let x_lb = body.pose_in_limb[mujoco_body];
-    // MuJoCo's normal points from the first geom to the second.
-    let outward = if side == 0 { contact.normal } else { -contact.normal };
-    let point = (x_lb * x_wb.inverse_transform_point(&contact.position)).coords;
-    (point, x_lb * x_wb.inverse_transform_vector(&outward))
+/// One side of a contact with a limb.
+struct Side {
+    geom: usize,
+    limb: usize,
+    /// The point in the limb's frame, metres.
+    point: Vector3<f64>,
+    /// The outward normal there, in the limb's frame.
+    outward: Vector3<f64>,
+}
+
+impl Side {
+    /// The first or second side of a contact; none of what is no limb's.
+    fn new(body: &Body, data: &Data, contact: &Contact, side: usize) -> Option<Side> {
+        let geom = contact.geoms[side];
+        let limb = body.limb_of_geom(geom)?;
+        let mujoco_body = body.model.geom_body(geom);
+        let (x_wb, x_lb) = (data.body_pose(mujoco_body), body.pose_in_limb[mujoco_body]);
+        // MuJoCo's normal points from the first geom to the second.
+        let outward = if side == 0 { contact.normal } else { -contact.normal };
+        let point = (x_lb * x_wb.inverse_transform_point(&contact.position)).coords;
+        Some(Side { geom, limb, point, outward: x_lb * x_wb.inverse_transform_vector(&outward) })
+    }
 }

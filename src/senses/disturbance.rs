@@ -62,37 +62,31 @@ impl Disturbances {
             rng.set_stream(number);
             rng
         };
-        let touches = touches.iter().map(|touch| touch.felt(input)).collect();
-        let mut felt = DisturbedSenses { touches, agent: agent.clone() };
+        let (skin, creature) = (agent.skin(), agent.creature());
+        let mut touches: Vec<Touch> = touches.iter().map(|touch| touch.felt(input)).collect();
+        let mut felt_by = agent.clone();
         if self.false_touches > 0.0 {
             let mut rng = stream(FALSE_TOUCH_STREAM);
-            felt.touches.iter_mut().for_each(|touch| self.confuse(agent.skin(), touch, &mut rng));
+            touches.iter_mut().for_each(|touch| self.confuse(skin, touch, &mut rng));
         }
         if self.joint_noise > 0.0 {
             let mut rng = stream(JOINT_STREAM);
-            felt.touches
-                .iter_mut()
-                .for_each(|touch| self.misread(agent.creature(), &mut touch.posture, &mut rng));
+            touches.iter_mut().for_each(|touch| self.misread(creature, &mut touch.posture, &mut rng));
         }
         if self.receptor_noise > 0.0 {
-            let mut skin = agent.skin().clone();
+            let mut skin = skin.clone();
             let displacements = self.displace(&mut skin, &mut stream(RECEPTOR_STREAM));
-            felt.agent =
-                agent.with_skin(skin).expect("displaced receptors are on the limbs that they were on");
-            for end in felt.touches.iter_mut().flat_map(|touch| &mut touch.ends) {
-                let displacement = displacements[end.receptor];
-                end.point.iter_mut().for_each(|point| point.position += displacement);
+            felt_by = agent.with_skin(skin).expect("displaced receptors are on the limbs that they were on");
+            for end in touches.iter_mut().flat_map(|touch| &mut touch.ends) {
+                end.point.iter_mut().for_each(|point| point.position += displacements[end.receptor]);
             }
         }
+        let points = touches.iter_mut().flat_map(|touch| &mut touch.ends).flat_map(|end| &mut end.point);
         if self.point_noise > 0.0 {
             let mut rng = stream(POINT_STREAM);
-            for point in
-                felt.touches.iter_mut().flat_map(|touch| &mut touch.ends).flat_map(|end| &mut end.point)
-            {
-                point.position += vector(self.point_noise, &mut rng);
-            }
+            points.for_each(|point| point.position += vector(self.point_noise, &mut rng));
         }
-        felt
+        DisturbedSenses { touches, agent: felt_by }
     }
 
     /// Adds noise to the angles of a posture.

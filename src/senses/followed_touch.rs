@@ -3,7 +3,7 @@
 use super::mapped_skin::{Following, MappedSkin};
 use super::touch_sensor::RELEASE;
 use super::touch_trail::{LONGEST, Trail};
-use super::{Sensation, SkinContact, TouchKind, Toucher};
+use super::{Sensation, SkinContact, TouchKind};
 
 /// A touch that stays on its patch and is shorter than this is a tap, seconds.
 const TAP: f64 = 0.25;
@@ -26,18 +26,13 @@ pub(super) struct FollowedTouch {
 
 impl FollowedTouch {
     /// What begins at `time` with these contacts.
-    pub fn new(number: u64, time: f64, contacts: Vec<SkinContact>, skin: &MappedSkin) -> FollowedTouch {
+    pub fn new(number: u64, time: f64, contacts: &[SkinContact], skin: &MappedSkin) -> FollowedTouch {
         let trails = contacts[0].spots().map(|_| Trail::default()).collect();
-        let heads = vec![contacts[0].clone()];
+        let heads = vec![contacts[0]];
         let mut touch =
             FollowedTouch { number, began: time, last: time, heads, trails, peak: 0.0, sum: 0.0, steps: 0 };
         touch.add(time, contacts, skin);
         touch
-    }
-
-    /// All its contacts as one.
-    pub fn contact(&self) -> SkinContact {
-        fused(self.heads.iter())
     }
 
     /// How a contact of a step at `time` follows it. `None` if it does not.
@@ -53,9 +48,9 @@ impl FollowedTouch {
     }
 
     /// Goes on with the contacts of a step.
-    pub fn add(&mut self, time: f64, contacts: Vec<SkinContact>, skin: &MappedSkin) {
-        let before = self.heads[0].clone();
-        self.heads = contacts.into_iter().map(|contact| skin.turned_like(&before, contact)).collect();
+    pub fn add(&mut self, time: f64, contacts: &[SkinContact], skin: &MappedSkin) {
+        let before = self.heads[0];
+        self.heads = contacts.iter().map(|contact| skin.turned_like(&before, contact)).collect();
         for (k, trail) in self.trails.iter_mut().enumerate() {
             let spots = self.heads.iter().filter_map(|contact| contact.spots().nth(k));
             trail.add(time, spots.map(|spot| spot.receptor));
@@ -94,20 +89,4 @@ impl FollowedTouch {
             mean_force: self.sum / self.steps as f64,
         }
     }
-}
-
-/// A self-touch as it is told outside: the place on the earlier limb first.
-pub(super) fn earlier_first(contact: &SkinContact) -> SkinContact {
-    match contact.by {
-        Toucher::Own(own) if own.limb < contact.spot.limb => contact.turned(),
-        _ => contact.clone(),
-    }
-}
-
-/// Contacts of one party as one: that which presses most, of several the first, with the sum of their forces.
-pub(super) fn fused<'a>(contacts: impl Iterator<Item = &'a SkinContact> + Clone) -> SkinContact {
-    let force = contacts.clone().map(|contact| contact.force).sum();
-    let strongest =
-        contacts.reduce(|a, b| if b.force > a.force { b } else { a }).expect("there is a contact");
-    SkinContact { force, ..strongest.clone() }
 }

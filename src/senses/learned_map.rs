@@ -99,27 +99,27 @@ impl Stroke {
     }
 }
 
-/// A mean per limb of what is told of it; of all where nothing is.
-struct LimbMeans {
-    of_limb: Vec<[f64; 2]>,
+/// Sums of values and how many they are, by a key and of all.
+#[derive(Default)]
+struct Means {
+    by_key: BTreeMap<usize, [f64; 2]>,
     all: [f64; 2],
 }
 
-impl LimbMeans {
-    fn new(limbs: &[usize]) -> LimbMeans {
-        let count = limbs.iter().max().map_or(0, |last| last + 1);
-        LimbMeans { of_limb: vec![[0.0; 2]; count], all: [0.0; 2] }
-    }
-
-    fn add(&mut self, limb: usize, value: f64) {
-        for sums in [&mut self.of_limb[limb], &mut self.all] {
-            sums[0] += value;
-            sums[1] += 1.0;
+impl Means {
+    fn add(&mut self, key: usize, value: f64) {
+        for [sum, count] in [self.by_key.entry(key).or_default(), &mut self.all] {
+            (*sum, *count) = (*sum + value, *count + 1.0);
         }
     }
 
-    fn of(&self, limb: usize) -> f64 {
-        let [sum, count] = if self.of_limb[limb][1] > 0.0 { self.of_limb[limb] } else { self.all };
+    fn sum_and_count(&self, key: usize) -> [f64; 2] {
+        self.by_key.get(&key).copied().unwrap_or_default()
+    }
+
+    /// The mean for a key; that of all where it has none.
+    fn of(&self, key: usize) -> f64 {
+        let [sum, count] = self.by_key.get(&key).unwrap_or(&self.all);
         sum / count
     }
 }
@@ -127,22 +127,22 @@ impl LimbMeans {
 /// Gives strokes their paces: a receptor is as wide in every stroke.
 fn agree(strokes: &mut [Stroke], limbs: &[usize]) {
     for _ in 0..ROUNDS {
-        let (mut sums, mut counts) = (vec![0.0; limbs.len()], vec![0.0; limbs.len()]);
-        let mut means = LimbMeans::new(limbs);
+        let (mut of_receptors, mut of_limbs) = (Means::default(), Means::default());
         for stroke in strokes.iter() {
             for firing in stroke.crossings() {
                 let width = stroke.pace * lasted(firing);
-                sums[firing.receptor] += width;
-                counts[firing.receptor] += 1.0;
-                means.add(limbs[firing.receptor], width);
+                of_receptors.add(firing.receptor, width);
+                of_limbs.add(limbs[firing.receptor], width);
             }
         }
-        if means.all[1] == 0.0 {
+        if of_limbs.all[1] == 0.0 {
             return;
         }
-        let usual_width = |receptor: usize| means.of(limbs[receptor]);
-        let width =
-            |receptor: usize| (sums[receptor] + PRIOR * usual_width(receptor)) / (counts[receptor] + PRIOR);
+        let usual_width = |receptor: usize| of_limbs.of(limbs[receptor]);
+        let width = |receptor: usize| {
+            let [sum, count] = of_receptors.sum_and_count(receptor);
+            (sum + PRIOR * usual_width(receptor)) / (count + PRIOR)
+        };
         let mut paces: Vec<f64> = strokes.iter().map(|stroke| stroke.pace).collect();
         paces.sort_by(f64::total_cmp);
         let usual = paces[paces.len() / 2];
@@ -183,21 +183,16 @@ impl Pair {
     }
 }
 
-fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
-    [a.min(b), a.max(b)]
-}
-
 /// Receptors near enough to be neighbours, and how far apart, in their limbs' own unit.
 fn links_of(strokes: &[Stroke], limbs: &[usize]) -> Vec<(f64, [usize; 2])> {
-    let (mut sums, mut counts) = (vec![0.0; limbs.len()], vec![0.0; limbs.len()]);
-    for (stroke, firing) in strokes.iter().flat_map(|s| s.firings.iter().map(move |f| (s, f))) {
-        sums[firing.receptor] += stroke.pace * lasted(firing);
-        counts[firing.receptor] += 1.0;
+    let mut widths = Means::default();
+    for stroke in strokes {
+        stroke.firings.iter().for_each(|firing| widths.add(firing.receptor, stroke.pace * lasted(firing)));
     }
     let mut pairs: BTreeMap<[usize; 2], Pair> = BTreeMap::new();
     for stroke in strokes {
         let passed = |firing: &Firing| {
-            let usual = sums[firing.receptor] / counts[firing.receptor];
+            let usual = widths.of(firing.receptor);
             if usual > 0.0 { (stroke.pace * lasted(firing) / usual).min(1.0) } else { 1.0 }
         };
         for (k, from) in stroke.firings.iter().enumerate() {
@@ -211,7 +206,9 @@ fn links_of(strokes: &[Stroke], limbs: &[usize]) -> Vec<(f64, [usize; 2])> {
                     continue;
                 }
                 seen.push(to.receptor);
-                let pair = pairs.entry(sorted([from.receptor, to.receptor])).or_default();
+                let pair = pairs
+                    .entry([from.receptor.min(to.receptor), from.receptor.max(to.receptor)])
+                    .or_default();
                 pair.succession |= steps == 0;
                 pair.distances.push((stroke.pace * (middle(to) - middle(from)), passed(from) * passed(to)));
             }
@@ -220,7 +217,7 @@ fn links_of(strokes: &[Stroke], limbs: &[usize]) -> Vec<(f64, [usize; 2])> {
     let told: Vec<([usize; 2], f64, bool)> =
         pairs.into_iter().map(|(at, mut pair)| (at, pair.distance(), pair.succession)).collect();
     // Those of one limb tell its unit; where it has none, all that lead onto it.
-    let (mut within, mut onto) = (LimbMeans::new(limbs), LimbMeans::new(limbs));
+    let (mut within, mut onto) = (Means::default(), Means::default());
     for ([a, b], distance, _) in told.iter().filter(|(.., succession)| *succession) {
         let [a, b] = [limbs[*a], limbs[*b]];
         [a, b].into_iter().for_each(|limb| onto.add(limb, *distance));
@@ -229,7 +226,7 @@ fn links_of(strokes: &[Stroke], limbs: &[usize]) -> Vec<(f64, [usize; 2])> {
         }
     }
     let unit = |limb: usize| {
-        let told = if within.of_limb[limb][1] >= FEW { &within } else { &onto };
+        let told = if within.sum_and_count(limb)[1] >= FEW { &within } else { &onto };
         told.of(limb)
     };
     let far = |[a, b]: [usize; 2], distance: f64, succession: bool| {

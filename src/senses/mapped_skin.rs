@@ -2,20 +2,20 @@
 
 use nalgebra::Vector3;
 
-use super::{SkinContact, Toucher};
-use crate::skin::{Skin, SomatotopicMap};
+use super::SkinContact;
+use crate::skin::{Skin, SomatotopicMap, arc};
 
 /// How far skin without receptors may extend that a touch goes on over, metres.
-const BARE: f64 = 0.05;
-
+pub(super) const BARE: f64 = 0.05;
 /// Neighbours within so many radians of the direction of a touch are ahead of it.
 const AHEAD: f64 = 0.7;
 
 /// A skin and the map of its neighbours.
 #[derive(Clone, Debug)]
 pub(super) struct MappedSkin {
-    map: SomatotopicMap,
-    skin: Skin,
+    /// Which receptors are taken for neighbours.
+    pub map: SomatotopicMap,
+    pub skin: Skin,
 }
 
 /// How contacts of one party follow each other, the surest first.
@@ -30,15 +30,6 @@ pub(super) enum Following {
 }
 
 impl MappedSkin {
-    pub fn new(map: SomatotopicMap, skin: &Skin) -> MappedSkin {
-        MappedSkin { map, skin: skin.clone() }
-    }
-
-    /// Which receptors are taken for neighbours.
-    pub fn map(&self) -> &SomatotopicMap {
-        &self.map
-    }
-
     /// The limb of a receptor.
     pub fn limb(&self, receptor: usize) -> usize {
         self.skin.receptors[receptor].limb
@@ -49,22 +40,20 @@ impl MappedSkin {
         self.skin.receptors[receptor].position
     }
 
-    /// How far a patch extends from its centre, metres: the mean of its half sides.
-    pub fn extent(&self, receptor: usize) -> f64 {
-        0.5 * self.skin.receptors[receptor].half_extents.iter().sum::<f64>()
+    /// How far two patches extend from their centres, metres: each by the mean of its half sides.
+    fn extents(&self, a: usize, b: usize) -> f64 {
+        let extent = |receptor: usize| self.skin.receptors[receptor].half_extents.iter().sum::<f64>();
+        0.5 * (extent(a) + extent(b))
     }
 
     /// About how long the way along the skin is between the centres of two receptors, metres; over a joint, where it
     /// depends on the posture, that between neighbours.
     pub fn way(&self, a: usize, b: usize) -> f64 {
-        if self.limb(a) != self.limb(b) {
-            return self.extent(a) + self.extent(b);
+        let [one, other] = [a, b].map(|receptor| &self.skin.receptors[receptor]);
+        match one.limb == other.limb {
+            true => arc(&[one.position, other.position], &[one.normal, other.normal]),
+            false => self.extents(a, b),
         }
-        // Round a limb, not through it: an arc between the two normals.
-        let [one, other] = [a, b].map(|receptor| self.skin.receptors[receptor].normal);
-        let half = 0.5 * one.dot(&other).clamp(-1.0, 1.0).acos();
-        let arc = if half > 1e-3 { half / half.sin() } else { 1.0 };
-        (self.centre(a) - self.centre(b)).norm() * arc
     }
 
     /// Whether two receptors are neighbours by the map, or have one in common and lie side by side: a patch that meets more
@@ -83,7 +72,7 @@ impl MappedSkin {
     /// How one receptor follows another. `None` if it does not.
     fn following_of(&self, before: usize, after: usize) -> Option<Following> {
         let beyond = || match self.limb(before) == self.limb(after) {
-            true => self.way(before, after) - self.extent(before) - self.extent(after) <= BARE,
+            true => self.way(before, after) - self.extents(before, after) <= BARE,
             false => self.have_a_neighbour_in_common(before, after),
         };
         match before == after {
@@ -95,23 +84,17 @@ impl MappedSkin {
 
     /// How a contact follows another of the same party, at both places of a self-touch.
     pub fn following(&self, before: &SkinContact, after: &SkinContact) -> Option<Following> {
-        match (&before.by, &after.by) {
-            (Toucher::Own(_), Toucher::Own(_)) => {
-                let straight = self.following_straight(before, after);
-                let turned = self.following_straight(before, &after.turned());
-                straight.into_iter().chain(turned).min()
-            }
-            (one, other) if one.party() == other.party() => {
-                self.following_of(before.spot.receptor, after.spot.receptor)
-            }
-            _ => None,
-        }
+        let straight = self.following_straight(before, after);
+        let turned = after.by.own().and_then(|_| self.following_straight(before, &after.turned()));
+        straight.into_iter().chain(turned).min()
     }
 
     fn following_straight(&self, before: &SkinContact, after: &SkinContact) -> Option<Following> {
-        let here = self.following_of(before.spot.receptor, after.spot.receptor)?;
-        let there = self.following_of(before.by.own()?.receptor, after.by.own()?.receptor)?;
-        Some(here.max(there))
+        let mut spots = before.spots().zip(after.spots());
+        let worst = spots.try_fold(Following::Same, |worst, (before, after)| {
+            Some(worst.max(self.following_of(before.receptor, after.receptor)?))
+        });
+        worst.filter(|_| before.by.party() == after.by.party())
     }
 
     /// Whether contacts are of one party on the same or neighbouring receptors.
@@ -119,12 +102,11 @@ impl MappedSkin {
         self.following(a, b).is_some_and(|following| following < Following::Beyond)
     }
 
-    /// A self-touch given from its other side, if it then follows another more surely.
-    pub fn turned_like(&self, model: &SkinContact, contact: SkinContact) -> SkinContact {
-        let turned = contact.turned();
+    /// A contact; a self-touch given from its other side, if it then follows another more surely.
+    pub fn turned_like(&self, model: &SkinContact, contact: &SkinContact) -> SkinContact {
         let rank =
             |contact: &SkinContact| self.following_straight(model, contact).unwrap_or(Following::Beyond);
-        if rank(&turned) < rank(&contact) { turned } else { contact }
+        std::cmp::min_by_key(*contact, contact.turned(), rank)
     }
 
     /// Whether a touch that came from one receptor to another leaves the map if it goes straight on: no neighbour is

@@ -28,25 +28,22 @@ pub struct JointSensor {
     address: usize,
 }
 
-/// How the posture is felt, in a sentence: by the sensors that [`joint_sensors`] tells of.
+/// How the posture is felt, in a sentence: by the sensors that [`joint_sensors`] returns.
 pub fn posture_in_words(sensors: &[Option<JointSensor>]) -> String {
-    let sensed: Vec<&JointSensor> = sensors.iter().flatten().collect();
-    let all = sensors.len();
-    let mut text = match sensed.len() {
-        0 => return "posture: no joint has a sensor, so every angle is read exactly as it is".to_string(),
-        count if count == all => format!("posture: read from {count} joint sensors"),
-        count => format!(
-            "posture: read from {count} joint sensors; the other {} angles exactly as they are",
-            all - count
-        ),
-    };
-    let cut_off = sensed.iter().filter(|sensor| sensor.cutoff.is_some()).count();
-    if cut_off > 0 {
-        text += &format!("; {cut_off} of them read no farther than a cutoff");
+    let count = |is: fn(&JointSensor) -> bool| sensors.iter().flatten().filter(|sensor| is(sensor)).count();
+    let sensed = count(|_| true);
+    if sensed == 0 {
+        return "posture: no joint has a sensor, so every angle is read exactly".to_string();
     }
-    let noisy = sensed.iter().filter(|sensor| sensor.noise > 0.0).count();
-    if noisy > 0 {
-        text += &format!("; {noisy} of them are noisy");
+    let mut text = format!("posture: read from {sensed} joint sensors");
+    for (count, what) in [
+        (sensors.len() - sensed, "other angles are read exactly"),
+        (count(|sensor| sensor.cutoff.is_some()), "of them read no farther than a cutoff"),
+        (count(|sensor| sensor.noise > 0.0), "of them are noisy"),
+    ] {
+        if count > 0 {
+            text += &format!("; {count} {what}");
+        }
     }
     text
 }

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::{Party, SkinContact};
+use crate::named::named;
 
 /// What kind of touch it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -19,20 +20,7 @@ pub enum TouchKind {
     Rub,
 }
 
-impl TouchKind {
-    /// All kinds.
-    pub const ALL: [TouchKind; 4] = [TouchKind::Tap, TouchKind::Press, TouchKind::Stroke, TouchKind::Rub];
-
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            TouchKind::Tap => "tap",
-            TouchKind::Press => "press",
-            TouchKind::Stroke => "stroke",
-            TouchKind::Rub => "rub",
-        }
-    }
-}
+named!(TouchKind, "touch", { Tap => "tap", Press => "press", Stroke => "stroke", Rub => "rub" });
 
 /// What a limb felt of one side of a sensation.
 #[derive(Clone, Debug, PartialEq)]

@@ -61,7 +61,7 @@ impl Toucher {
 }
 
 /// A contact with the skin in one step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinContact {
     /// The place on the skin; the one on the earlier limb of a self-touch.
     pub spot: SkinSpot,
@@ -83,11 +83,18 @@ impl SkinContact {
         (self.spot.limb, self.by.party(), self.by.own().map(|spot| spot.limb))
     }
 
+    /// Contacts of one party as one: that which presses most, of several the first, with the sum of their forces.
+    pub(super) fn fused(contacts: &[SkinContact]) -> SkinContact {
+        let force = contacts.iter().map(|contact| contact.force).sum();
+        let strongest = contacts.iter().copied().reduce(|a, b| if b.force > a.force { b } else { a });
+        SkinContact { force, ..strongest.expect("there is a contact") }
+    }
+
     /// The same from the other side of a self-touch; any other as it is.
     pub fn turned(&self) -> SkinContact {
         match self.by {
             Toucher::Own(own) => SkinContact { spot: own, by: Toucher::Own(self.spot), force: self.force },
-            Toucher::Thing(_) | Toucher::Through(_) => self.clone(),
+            Toucher::Thing(_) | Toucher::Through(_) => *self,
         }
     }
 

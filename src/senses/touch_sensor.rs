@@ -9,15 +9,16 @@
 //! the skin: the words are those of Yohanan and MacLean, "The Role of Affective Touch in Human-Robot Interaction"
 //! (2012), without what only pictures of a hand tell apart.
 
-use super::followed_touch::{FollowedTouch, earlier_first, fused};
+use super::followed_touch::FollowedTouch;
 use super::mapped_skin::MappedSkin;
-use super::{Sense, SensedStep, SensingBody, SkinContact, TouchEvent};
+use super::{Sense, SensedStep, SensingBody, SkinContact, TouchEvent, Toucher};
 use crate::error::Result;
 use crate::skin::{Skin, SomatotopicMap};
 
 /// How long nothing must touch before a sensation has ended, seconds: a fingertip that bounces over an edge comes
 /// back sooner.
 pub const RELEASE: f64 = 0.03;
+
 /// Follows what touches the skin.
 #[derive(Clone, Debug)]
 pub struct TouchSensor {
@@ -41,7 +42,7 @@ impl TouchSensor {
     /// A sensor of a skin that feels nothing yet.
     pub fn new(map: SomatotopicMap, skin: &Skin) -> TouchSensor {
         TouchSensor {
-            skin: MappedSkin::new(map, skin),
+            skin: MappedSkin { map, skin: skin.clone() },
             touches: Vec::new(),
             count: 0,
             present: Vec::new(),
@@ -62,7 +63,7 @@ impl TouchSensor {
 
     /// Which receptors it takes for neighbours.
     pub fn map(&self) -> &SomatotopicMap {
-        self.skin.map()
+        &self.skin.map
     }
 
     /// Takes in the contacts of one step at `time`, seconds, later than the last one.
@@ -70,10 +71,11 @@ impl TouchSensor {
         let mut events = Vec::new();
         for (touch, contacts) in self.shared_out(time, contacts) {
             match touch {
-                Some(touch) => self.touches[touch].add(time, contacts, &self.skin),
+                Some(touch) => self.touches[touch].add(time, &contacts, &self.skin),
                 None => {
-                    let touch = FollowedTouch::new(self.count, time, contacts, &self.skin);
-                    events.push(TouchEvent::Began { number: self.count, contact: touch.contact() });
+                    let touch = FollowedTouch::new(self.count, time, &contacts, &self.skin);
+                    let contact = SkinContact::fused(&touch.heads);
+                    events.push(TouchEvent::Began { number: self.count, contact });
                     self.touches.push(touch);
                     self.count += 1;
                 }
@@ -96,12 +98,12 @@ impl TouchSensor {
     /// Which contacts of a step are of which touch. `None` if they begin one.
     fn shared_out(&self, time: f64, contacts: &[SkinContact]) -> Vec<(Option<usize>, Vec<SkinContact>)> {
         let (mut shares, mut fresh) = (vec![Vec::new(); self.touches.len()], Vec::new());
-        for contact in contacts {
+        for &contact in contacts {
             let following =
-                |(t, touch): (usize, &FollowedTouch)| Some((touch.following(time, contact, &self.skin)?, t));
+                |(t, touch): (usize, &FollowedTouch)| Some((touch.following(time, &contact, &self.skin)?, t));
             match self.touches.iter().enumerate().filter_map(following).min() {
-                Some((_, touch)) => shares[touch].push(contact.clone()),
-                None => fresh.push(contact.clone()),
+                Some((_, touch)) => shares[touch].push(contact),
+                None => fresh.push(contact),
             }
         }
         let follow = shares.into_iter().enumerate().filter(|(_, share)| !share.is_empty());
@@ -113,9 +115,12 @@ impl TouchSensor {
     /// Contacts of the last step, at `time`, of one party and of one patch of a limb's skin as one.
     fn patches(&self, time: f64) -> Vec<SkinContact> {
         let touching = self.touches.iter().filter(|touch| touch.last == time);
-        let heads = touching.flat_map(|touch| &touch.heads).map(earlier_first).collect();
+        let heads = touching.flat_map(|touch| &touch.heads).map(|contact| match contact.by {
+            Toucher::Own(own) if own.limb < contact.spot.limb => contact.turned(),
+            _ => *contact,
+        });
         let is_one = |a: &SkinContact, b: &SkinContact| a.parties() == b.parties() && self.skin.adjoin(a, b);
-        joined(heads, is_one).iter().map(|patch| fused(patch.iter())).collect()
+        joined(heads.collect(), is_one).iter().map(|patch| SkinContact::fused(patch)).collect()
     }
 }
 

@@ -2,16 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::firing::{Firing, SILENCE};
-use super::mapped_skin::MappedSkin;
+use super::firing::{Firing, fire};
+use super::mapped_skin::{BARE, MappedSkin};
 use super::{LimbSensation, SensationSide};
 
 /// What fires together for less than this is no stay, seconds: a touch cuts a corner, or begins to press.
 const PASSING: f64 = 0.02;
-/// How far a touch may go on that leaves a receptor, metres: over a hole between patches, …
+/// How far a touch may go on that leaves a receptor whose neighbours are ahead, metres: over a hole between patches.
 const HOLE: f64 = 0.02;
-/// … or straight ahead where the map has no neighbour.
-const BARE: f64 = 0.05;
 /// How long it is waited for there at the most, seconds.
 pub(super) const LONGEST: f64 = 0.2;
 
@@ -39,34 +37,20 @@ impl Stay {
 }
 
 /// Stays of the same receptors one after the other as one.
-fn merged(stays: impl Iterator<Item = Stay>) -> Vec<Stay> {
-    let mut merged: Vec<Stay> = Vec::new();
-    for stay in stays {
-        match merged.last_mut() {
-            Some(last) if last.receptors == stay.receptors => last.span[1] = stay.span[1],
-            _ => merged.push(stay),
+fn merge(stays: &mut Vec<Stay>) {
+    stays.dedup_by(|next, last| {
+        let same = next.receptors == last.receptors;
+        if same {
+            last.span[1] = next.span[1];
         }
-    }
-    merged
-}
-
-/// The receptors that it came to, one after the other.
-fn places(stays: &[Stay]) -> Vec<usize> {
-    let mut places: Vec<usize> = stays.iter().map(|stay| stay.newest).collect();
-    places.dedup();
-    places
+        same
+    });
 }
 
 impl Trail {
     /// Takes in the receptors that fire in a step.
     pub fn add(&mut self, time: f64, receptors: impl Iterator<Item = usize>) {
-        for receptor in receptors {
-            let mut firings = self.firings.iter_mut().rev();
-            match firings.find(|firing| firing.receptor == receptor) {
-                Some(firing) if time - firing.span[1] <= SILENCE => firing.span[1] = time,
-                _ => self.firings.push(Firing { receptor, span: [time; 2] }),
-            }
-        }
+        fire(&mut self.firings, time, receptors);
     }
 
     /// Which receptors fired together, one stay after the other.
@@ -74,18 +58,20 @@ impl Trail {
         let mut times: Vec<f64> = self.firings.iter().flat_map(|firing| firing.span).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
-        let fire = |span: [f64; 2]| {
-            let fires = |firing: &&Firing| firing.span[0] <= span[0] && span[1] <= firing.span[1];
+        let fire = |pair: &[f64]| {
+            let fires = |firing: &&Firing| firing.span[0] <= pair[0] && pair[1] <= firing.span[1];
             let mut receptors: Vec<usize> =
                 self.firings.iter().filter(fires).map(|firing| firing.receptor).collect();
             let newest = receptors.last().copied()?;
             receptors.sort_unstable();
-            Some(Stay { receptors, newest, span })
+            Some(Stay { receptors, newest, span: [pair[0], pair[1]] })
         };
-        let all: Vec<Stay> = times.windows(2).filter_map(|pair| fire([pair[0], pair[1]])).collect();
-        let all = merged(all.into_iter());
-        let longest = all.iter().map(Stay::lasted).fold(0.0, f64::max);
-        merged(all.into_iter().filter(|stay| stay.lasted() >= PASSING.min(longest)))
+        let mut stays: Vec<Stay> = times.windows(2).filter_map(fire).collect();
+        merge(&mut stays);
+        let longest = stays.iter().map(Stay::lasted).fold(0.0, f64::max);
+        stays.retain(|stay| stay.lasted() >= PASSING.min(longest));
+        merge(&mut stays);
+        stays
     }
 
     /// Whether it went along the skin, and whether it came back to where it had been.
@@ -103,43 +89,41 @@ impl Trail {
     /// fast as it went. What has not moved is not waited for.
     pub fn patience(&self, skin: &MappedSkin) -> f64 {
         let stays = self.stays();
-        let (Some(first), Some(last)) = (stays.first(), stays.last()) else { return 0.0 };
-        let places = places(&stays);
+        let mut places: Vec<usize> = stays.iter().map(|stay| stay.newest).collect();
+        places.dedup();
+        let [.., from, to] = places[..] else { return 0.0 };
         let way: f64 = places.windows(2).map(|pair| skin.way(pair[0], pair[1])).sum();
-        let wait = match places[..] {
-            [.., from, to] if skin.leads_off(from, to) => BARE,
-            [_, _, ..] => HOLE,
-            _ => return 0.0,
-        };
-        (wait * (last.span[1] - first.span[0]) / way).min(LONGEST)
+        let took = stays[stays.len() - 1].span[1] - stays[0].span[0];
+        let wait = if skin.leads_off(from, to) { BARE } else { HOLE };
+        (wait * took / way).min(LONGEST)
     }
 
     /// What it was, all in all.
     pub fn side(&self, skin: &MappedSkin, duration: f64) -> SensationSide {
-        let stays = self.stays();
-        let mut limbs: Vec<(LimbSensation, usize)> = Vec::new();
-        let (mut path, mut before) = (0.0, None);
-        // Of what lasted a single step there is no stay.
-        let alone = self.firings[..1].iter().map(|firing| (firing.receptor, firing.span));
-        let places =
-            stays.iter().map(|stay| (stay.newest, stay.span)).chain(alone.filter(|_| stays.is_empty()));
-        for (receptor, span) in places {
-            let (limb, centre) = (skin.limb(receptor), skin.centre(receptor));
-            let way = before.map_or(0.0, |before| skin.way(before, receptor));
-            let stays_on = before.is_some_and(|before| skin.limb(before) == limb);
-            (path, before) = (path + way, Some(receptor));
-            match limbs.iter_mut().find(|(part, _)| part.limb == limb) {
-                Some((part, first)) => {
-                    (part.end, part.span[1]) = (centre, span[1]);
-                    part.direction = (centre - skin.centre(*first)).try_normalize(1e-9).unwrap_or_default();
-                    part.path += if stays_on { way } else { 0.0 };
+        let mut visits: Vec<(usize, [f64; 2])> =
+            self.stays().into_iter().map(|stay| (stay.newest, stay.span)).collect();
+        if visits.is_empty() {
+            // Of what lasted a single step there is no stay.
+            visits.push((self.firings[0].receptor, self.firings[0].span));
+        }
+        let mut limbs: Vec<LimbSensation> = Vec::new();
+        let (mut path, mut before) = (0.0, visits[0].0);
+        for (receptor, span) in visits {
+            let (limb, end) = (skin.limb(receptor), skin.centre(receptor));
+            let way = skin.way(before, receptor);
+            let along = if skin.limb(before) == limb { way } else { 0.0 };
+            match limbs.iter_mut().find(|part| part.limb == limb) {
+                Some(part) => {
+                    (part.end, part.span[1]) = (end, span[1]);
+                    part.direction = (end - part.point).try_normalize(1e-9).unwrap_or_default();
+                    part.path += along;
                 }
                 None => {
-                    let (path, direction) = (0.0, Vector3::zeros());
-                    let part = LimbSensation { limb, point: centre, end: centre, span, path, direction };
-                    limbs.push((part, receptor));
+                    let (point, direction) = (end, Vector3::zeros());
+                    limbs.push(LimbSensation { limb, point, end, span, path: 0.0, direction });
                 }
             }
+            (path, before) = (path + way, receptor);
         }
         let mut receptors: Vec<(usize, [f64; 2])> = Vec::new();
         for firing in &self.firings {
@@ -148,14 +132,7 @@ impl Trail {
                 None => receptors.push((firing.receptor, firing.span)),
             }
         }
-        let limbs: Vec<LimbSensation> = limbs.into_iter().map(|(part, _)| part).collect();
-        SensationSide {
-            limb: limbs[0].limb,
-            last_limb: before.map_or(limbs[0].limb, |last| skin.limb(last)),
-            receptors,
-            path,
-            speed: if duration > 0.0 { path / duration } else { 0.0 },
-            limbs,
-        }
+        let speed = if duration > 0.0 { path / duration } else { 0.0 };
+        SensationSide { limb: limbs[0].limb, last_limb: skin.limb(before), receptors, path, speed, limbs }
     }
 }

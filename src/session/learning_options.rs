@@ -60,7 +60,7 @@ impl Default for LearningOptions {
             frames: LimbFrames::default(),
             known: None,
             disturbances: DisturbanceLevels::default(),
-            deadline: Deadline::NEVER,
+            deadline: Deadline::Never,
         }
     }
 }

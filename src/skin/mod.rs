@@ -23,6 +23,7 @@ pub use growing::{GrowOptions, Grown, PatchSize, grow, grow_skin, grow_skin_root
 pub(crate) use joined_limbs::JoinedLimbs;
 pub use somatotopic_map::{MOST_NEIGHBOURS, SomatotopicMap};
 pub use surface::Surface;
+pub(crate) use surface_graph::arc;
 
 /// Half the thickness of a patch, metres.
 const HALF_THICK: f64 = 8e-4;
@@ -158,15 +159,9 @@ impl Skin {
         receptors.all(|receptor| surface(receptor).is_some_and(|surface| self.surfaces[surface].is_round()))
     }
 
-    /// Per geom of the model that the skin lies on, its receptors.
-    pub(crate) fn receptors_by_geom(&self, geoms: usize) -> Vec<Vec<usize>> {
-        let mut by_geom = vec![Vec::new(); geoms];
-        for (r, receptor) in self.receptors.iter().enumerate() {
-            if let Some(surface) = receptor.surface {
-                by_geom[self.surfaces[surface].geom].push(r);
-            }
-        }
-        by_geom
+    /// Whether a receptor lies on a geom of the model.
+    pub(crate) fn is_on(&self, receptor: usize, geom: usize) -> bool {
+        self.receptors[receptor].surface.is_some_and(|surface| self.surfaces[surface].geom == geom)
     }
 
     /// The index of a receptor by id.

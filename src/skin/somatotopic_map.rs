@@ -4,10 +4,8 @@
 //! hand, here the geometry gives it, or [experience](crate::senses::learn_map). The skin is one: neighbours may be on two
 //! limbs that a joint connects.
 
-use std::collections::BTreeMap;
-
 use super::Skin;
-use super::surface_graph::SurfaceGraph;
+use super::surface_graph::meetings;
 use crate::creature::{Body, Creature};
 use crate::error::Result;
 use crate::geometry::Frame;
@@ -22,26 +20,17 @@ pub struct SomatotopicMap {
 }
 
 impl SomatotopicMap {
-    /// Works out the map from the receptors' places, where the limbs are at these frames (`X_CL` for any frame C, a
-    /// frame per limb) in each of some postures. Neighbours are receptors whose patches meet on the skin in any of the
-    /// postures, on one limb or across a joint, at most [`MOST_NEIGHBOURS`], nearest along the skin first. The relation is
-    /// mutual.
+    /// Works out the map from the receptors' positions, where the limbs are at these frames (`X_CL` for any frame C, a frame
+    /// per limb). Neighbours are receptors whose patches meet on the skin there, on one limb or across a joint, at most
+    /// [`MOST_NEIGHBOURS`], nearest along the skin first. The relation is mutual.
     ///
     /// # Panics
-    /// Where a posture has not a frame per limb.
-    pub fn new(creature: &Creature, skin: &Skin, postures: &[Vec<Frame>]) -> SomatotopicMap {
-        let mut met: BTreeMap<[usize; 2], f64> = BTreeMap::new();
-        for frames in postures {
-            assert_eq!(frames.len(), creature.limbs().len(), "a posture has a frame per limb");
-            for (pair, distance) in SurfaceGraph::new(creature, skin, frames).meetings() {
-                let known = met.entry(pair).or_insert(f64::INFINITY);
-                *known = known.min(distance);
-            }
-        }
-        let mut links: Vec<(f64, [usize; 2])> =
-            met.into_iter().map(|(pair, distance)| (distance, pair)).collect();
-        links.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        SomatotopicMap::of_links(skin.receptors.len(), links.into_iter().map(|(_, pair)| pair))
+    /// Where there is not a frame per limb.
+    pub fn new(creature: &Creature, skin: &Skin, frames: &[Frame]) -> SomatotopicMap {
+        assert_eq!(frames.len(), creature.limbs().len(), "there is a frame per limb");
+        let mut met: Vec<([usize; 2], f64)> = meetings(creature, skin, frames).into_iter().collect();
+        met.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        SomatotopicMap::of_links(skin.receptors.len(), met.into_iter().map(|(pair, _)| pair))
     }
 
     /// The map of a creature's skin as it is in its model's reference posture.
@@ -50,7 +39,7 @@ impl SomatotopicMap {
     /// Where the engine fails.
     pub fn at_ease(body: &Body, skin: &Skin) -> Result<SomatotopicMap> {
         let frames = body.limb_frames(&body.reference_data()?);
-        Ok(SomatotopicMap::new(&body.creature, skin, &[frames]))
+        Ok(SomatotopicMap::new(&body.creature, skin, &frames))
     }
 
     /// The map of so many receptors that has as many of these links as there is room for, the first ones first: no

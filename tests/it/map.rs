@@ -75,7 +75,7 @@ fn geometric(skin: &Skin) -> SomatotopicMap {
     let limbs = ["one", "other"].map(str::to_string).to_vec();
     let creature = Creature::new("walls".into(), limbs, vec![Joint::new("between", 0, vec![])], vec![]);
     let other = Frame { origin: Vector3::new(0.0, 0.0, 50.0), ..Frame::identity() };
-    SomatotopicMap::new(&creature.unwrap(), skin, &[vec![Frame::identity(), other]])
+    SomatotopicMap::new(&creature.unwrap(), skin, &[Frame::identity(), other])
 }
 
 fn limbs(skin: &Skin) -> Vec<usize> {

@@ -152,7 +152,7 @@ impl Growth {
             known: PriorKnowledge::nothing(agent),
             seed,
             input: Input::Receptor,
-            deadline: Deadline::NEVER,
+            deadline: Deadline::Never,
             solves: 0,
             starts: 0,
             touches: Vec::new(),

@@ -189,7 +189,7 @@ pub fn fit_again(
         let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
         let stopping =
-            Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0, deadline: Deadline::NEVER };
+            Stopping { iterations: ITERATIONS, relative_cost: 1e-3, cost: 0.0, deadline: Deadline::Never };
         schema = levenberg_marquardt(&mut problem, schema, stopping).state;
         found = gaps(skin, touches, &schema);
         let next = (1.5 * quantile(&found, 0.9)).min(0.5 * deviation).max(noise(&found));

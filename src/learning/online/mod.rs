@@ -163,7 +163,7 @@ impl Online {
             known,
             batch,
             unit: LengthUnit::METRE,
-            deadline: Deadline::NEVER,
+            deadline: Deadline::Never,
             seen: 0,
             next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
             locked: None,

@@ -36,7 +36,7 @@ impl SecondOrder {
         match self.evidence() {
             Evidence::Points { .. } => {
                 let stopping =
-                    Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::NEVER };
+                    Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::Never };
                 let fit = |schema: BodySchema, prior: &Prior| {
                     let mut problem =
                         TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
@@ -72,7 +72,7 @@ impl SecondOrder {
                     iterations: LAST_ITERATIONS,
                     relative_cost: LAST_RELATIVE_COST,
                     cost: 0.0,
-                    deadline: Deadline::NEVER,
+                    deadline: Deadline::Never,
                 };
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);

@@ -70,7 +70,7 @@ impl SecondOrder {
             frames,
             seed,
             known,
-            deadline: Deadline::NEVER,
+            deadline: Deadline::Never,
             touches: Vec::new(),
         }
     }

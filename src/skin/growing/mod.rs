@@ -161,7 +161,8 @@ struct OwnReceptors<'a> {
 
 impl<'a> OwnReceptors<'a> {
     fn new(body: &'a Body, skin: &'a Skin) -> OwnReceptors<'a> {
-        let of_geom = skin.receptors_by_geom(body.model.ngeom());
+        let on = |geom: usize| (0..skin.receptors.len()).filter(|&r| skin.is_on(r, geom)).collect();
+        let of_geom = (0..body.model.ngeom()).map(on).collect();
         OwnReceptors { body, skin, of_geom }
     }
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::creature::{LIMB_TUPLE, body_name};
+use crate::creature::{body_name, limb_bodies};
 use crate::error::Error;
-use crate::mujoco::{Model, ObjectKind};
+use crate::mujoco::Model;
 
 /// Receptors of a creature whose model does not say how fine its skin is, and who is not asked for a size;
 /// more where it has many geoms.
@@ -65,7 +65,9 @@ impl GrowOptions {
             return Err(Error::model("sizes and densities must be positive numbers"));
         }
         let denser = self.factors(model)?;
-        let of_model = receptor_areas(model);
+        // Limb tuples ask for cm².
+        let of_model = limb_bodies(model).into_iter().filter(|(.., area)| *area > 0.0);
+        let of_model: BTreeMap<usize, f64> = of_model.map(|(_, body, area)| (body, area * 1e-4)).collect();
         let said = |g: usize| of_model.get(&model.geom_body(g)).copied();
         let all_said = geoms.iter().all(|&g| said(g).is_some());
         let measured = match self.size {
@@ -95,14 +97,9 @@ impl GrowOptions {
         let limbs = limb_names(model);
         let mut factors = vec![1.0; model.nbody()];
         for (name, factor) in &self.denser {
-            let mut found = false;
-            for (body, of_body) in factors.iter_mut().enumerate().skip(1) {
-                if limbs.get(&body) == Some(name) || body_name(model, body) == *name {
-                    *of_body *= factor;
-                    found = true;
-                }
-            }
-            if !found {
+            let is_called = |b: &usize| limbs.get(b) == Some(name) || body_name(model, *b) == *name;
+            let bodies: Vec<usize> = (1..model.nbody()).filter(is_called).collect();
+            if bodies.is_empty() {
                 let mut known: Vec<String> = limbs.into_values().collect();
                 if known.is_empty() {
                     known = (1..model.nbody()).map(|body| body_name(model, body)).collect();
@@ -112,6 +109,7 @@ impl GrowOptions {
                 let known = known.join(", ");
                 return Err(Error::model(format!("no limb is called {name}; there are {known}")));
             }
+            bodies.into_iter().for_each(|body| factors[body] *= factor);
         }
         Ok(factors)
     }
@@ -128,25 +126,8 @@ fn evenly(grounds: &[Ground], geom: usize) -> f64 {
     if of_limb > 0.0 { of_creature.min(of_limb) } else { of_creature }
 }
 
-/// Per body, the receptor area that the model's limb tuples ask for, m².
-fn receptor_areas(model: &Model) -> BTreeMap<usize, f64> {
-    let tuples = model.tuples();
-    let limbs = tuples.iter().filter(|tuple| tuple.name.is_some_and(|n| n.starts_with(LIMB_TUPLE)));
-    let entries = limbs.flat_map(|tuple| &tuple.entries);
-    entries
-        .filter(|entry| entry.object == ObjectKind::Body && entry.prm > 0.0)
-        .map(|entry| (entry.id, entry.prm * 1e-4))
-        .collect()
-}
-
 /// Per body, the name of the limb it is part of.
 pub fn limb_names(model: &Model) -> BTreeMap<usize, String> {
-    let mut names = BTreeMap::new();
-    for tuple in model.tuples() {
-        let Some(name) = tuple.name.and_then(|name| name.strip_prefix(LIMB_TUPLE)) else { continue };
-        for entry in tuple.entries.iter().filter(|entry| entry.object == ObjectKind::Body) {
-            names.entry(entry.id).or_insert_with(|| name.to_string());
-        }
-    }
-    names
+    // Of several limbs of a body the first counts.
+    limb_bodies(model).into_iter().rev().map(|(name, body, _)| (body, name.to_string())).collect()
 }

@@ -58,7 +58,7 @@ impl MapOverlay {
     pub fn by_schema(agent: &Agent, schema: &BodySchema, poses: &'static str) -> MapOverlay {
         let (creature, skin) = (agent.creature(), agent.skin());
         let frames = limb_frames(creature, schema, &creature.reference_posture());
-        let map = SomatotopicMap::new(creature, skin, &[frames]);
+        let map = SomatotopicMap::new(creature, skin, &frames);
         let point = |receptor: &Receptor| {
             let [x, y, z] = [receptor.position.x, receptor.position.y, receptor.position.z].map(whole);
             [receptor.limb as i64, x, y, z]
