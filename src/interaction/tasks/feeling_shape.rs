@@ -156,16 +156,16 @@ impl Actor {
                 actor.reaching(arm).approach(&from, &tips, &aim)
             });
             let Ok(plan) = plan else { continue };
-            let mut felt_on_way = self.follow(&plan.way, SWIFT, |_, _| true)?.felt();
+            let mut contacts = self.follow(&plan.way, SWIFT, |_, _| true)?.felt();
             // Met on the way there it lies where that skin faces.
-            let met = felt_on_way.iter().find_map(|contact| self.found(contact));
+            let met = contacts.iter().find_map(|contact| self.found(contact));
             let into = met.map_or(aim.direction, |found| found.direction);
-            if felt_on_way.is_empty() {
-                felt_on_way = self.follow(&plan.straight, CAREFUL, |_, _| true)?.felt();
+            if contacts.is_empty() {
+                contacts = self.follow(&plan.straight, CAREFUL, |_, _| true)?.felt();
             }
-            let touching = self.of_the_thing(&felt_on_way);
+            let touching = self.of_the_thing(&contacts);
             let by = touching.iter().next().copied().unwrap_or(plan.receptor);
-            let come = match (felt_on_way.is_empty(), touching.is_empty()) {
+            let come = match (contacts.is_empty(), touching.is_empty()) {
                 (_, false) => Come::Touched,
                 (true, true) => Come::Empty,
                 (false, true) => Come::Barred,
