@@ -132,11 +132,16 @@ fn body(agent: &Agent, schema: &BodySchema, names: &[String], limb: usize) -> El
         let of_surface = skin.receptors.iter().filter(|r| r.limb == limb && r.surface == Some(s));
         match geom(s, surface) {
             Some(geom) => add(&mut body, geom),
-            None => of_surface.for_each(|receptor| add(&mut body, tile(receptor))),
+            None => of_surface.for_each(|receptor| {
+                let (pose, size) = tile_box(receptor);
+                add(&mut body, placed(element("geom", &[("type", "box".into())]), &size, &pose));
+            }),
         }
     }
     for receptor in skin.receptors.iter().filter(|receptor| receptor.limb == limb) {
-        add(&mut body, site(receptor));
+        let (pose, size) = receptor_box(receptor);
+        let site = element("site", &[("class", "receptor".into()), ("name", receptor.id.clone())]);
+        add(&mut body, placed(site, &size, &pose));
     }
     for child in (limb + 1..names.len()).filter(|&child| creature.parent_of(child) == Some(limb)) {
         add(&mut body, self::body(agent, schema, names, child));
@@ -181,39 +186,18 @@ fn hull_name(s: usize) -> String {
     format!("hull_{s}")
 }
 
-/// A thin box below a receptor, its outer face where the skin is: its pose and half sides.
+/// A thin box at a receptor: its pose and half sides. A receptor without extent, as limbs have that no skin is known of, is marked
+/// by a small one.
+fn receptor_box(receptor: &Receptor) -> (Frame, [f64; 3]) {
+    let [u, v] = if receptor.half_extents == [0.0; 2] { [MARK; 2] } else { receptor.half_extents };
+    let rotation = Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal]);
+    (Frame { rotation, origin: receptor.position }, [u, v, HALF_THICKNESS.min(THINNESS * u.min(v))])
+}
+
+/// The same below the receptor, its outer face where the skin is.
 pub(super) fn tile_box(receptor: &Receptor) -> (Frame, [f64; 3]) {
-    let [u, v] = half_extents(receptor);
-    let thin = half_thickness(receptor);
-    (Frame { rotation: axes(receptor), origin: receptor.position - receptor.normal * thin }, [u, v, thin])
-}
-
-fn tile(receptor: &Receptor) -> Element {
-    let (pose, size) = tile_box(receptor);
-    placed(element("geom", &[("type", "box".into())]), &size, &pose)
-}
-
-/// A receptor's site.
-fn site(receptor: &Receptor) -> Element {
-    let [u, v] = half_extents(receptor);
-    let pose = Frame { rotation: axes(receptor), origin: receptor.position };
-    let named = element("site", &[("class", "receptor".into()), ("name", receptor.id.clone())]);
-    placed(named, &[u, v, half_thickness(receptor)], &pose)
-}
-
-/// A receptor without extent, as limbs have that no skin is known of, is marked by a small one.
-fn half_extents(receptor: &Receptor) -> [f64; 2] {
-    if receptor.half_extents == [0.0; 2] { [MARK; 2] } else { receptor.half_extents }
-}
-
-fn half_thickness(receptor: &Receptor) -> f64 {
-    let [u, v] = half_extents(receptor);
-    HALF_THICKNESS.min(THINNESS * u.min(v))
-}
-
-/// The rotation from a receptor's sides and normal to the limb's axes.
-fn axes(receptor: &Receptor) -> Matrix3<f64> {
-    Matrix3::from_columns(&[receptor.tangent, receptor.bitangent(), receptor.normal])
+    let (pose, size) = receptor_box(receptor);
+    (Frame { origin: pose.origin - receptor.normal * size[2], ..pose }, size)
 }
 
 /// A geom or site put at a pose in its limb's frame.

@@ -10,68 +10,80 @@ use super::pose::{Angles, ORIENTATIONS};
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
 use super::tree::{Element, is_of};
 
-/// Greatest length, coordinate or scale accepted, in metres: a thousand kilometres.
-const GREATEST_LENGTH: f64 = 1e6;
+/// Least and greatest length, coordinate or scale accepted, in metres: a thousand kilometres.
+const LENGTHS: [f64; 2] = [-1e6, 1e6];
 
-/// Least and greatest time step accepted, seconds: a second of shorter ones takes longer than a minute, and in longer ones
-/// nothing that moves can be followed.
+/// Time steps accepted, seconds: a second of shorter ones takes longer than a minute, and in longer ones nothing that moves can be
+/// followed.
 const TIME_STEPS: [f64; 2] = [1e-6, 1.0];
 
-/// Greatest number of iterations accepted of any of the engine's solvers, each step; its own is 100 at the most.
-const GREATEST_ITERATIONS: f64 = 1e4;
+/// Numbers of iterations accepted of any of the engine's solvers, each step; its own is 100 at the most.
+const ITERATIONS: [f64; 2] = [0.0, 1e4];
 
 /// Elements of a model at the most, by kind: what the engine's compiler does with more takes longer than it is given.
 const GREATEST_NUMBERS: [(&str, usize); 5] =
     [("body", 10_000), ("link", 10_000), ("joint", 10_000), ("geom", 50_000), ("site", 50_000)];
 
-/// The greatest number there is: what holds such is finite.
-const FINITE: f64 = f64::MAX;
+/// All numbers that are finite.
+const FINITE: [f64; 2] = [f64::MIN, f64::MAX];
+
+/// Counts: the engine takes one below zero for its own choice.
+const fn up_to(greatest: f64) -> [f64; 2] {
+    [-greatest, greatest]
+}
 
 /// Elements of a tree with places in it.
 const PLACED: &str = "body frame replicate geom site inertial";
 
-/// What holds numbers: elements, `*` for any, their attributes, how many numbers, 0 for any, and the greatest accepted: of
+/// What holds numbers: elements, `*` for any, their attributes, how many numbers, 0 for any, and the least and greatest accepted: of
 /// lengths, coordinates and scales, of counts of what the engine makes, and of all else, for the engine takes what is not finite,
 /// and physics comes to nothing with it. The first that fits counts.
-const NUMBERS: [(&str, &str, usize, f64); 28] = [
-    (PLACED, "pos zaxis euler", 3, GREATEST_LENGTH),
-    (PLACED, "quat axisangle", 4, GREATEST_LENGTH),
-    (PLACED, "xyaxes", 6, GREATEST_LENGTH),
-    ("replicate", "offset", 3, GREATEST_LENGTH),
-    ("geom site", "fromto", 6, GREATEST_LENGTH),
-    ("joint", "pos axis", 3, GREATEST_LENGTH),
+const NUMBERS: [(&str, &str, usize, [f64; 2]); 30] = [
+    (PLACED, "pos zaxis euler", 3, LENGTHS),
+    (PLACED, "quat axisangle", 4, LENGTHS),
+    (PLACED, "xyaxes", 6, LENGTHS),
+    ("replicate", "offset", 3, LENGTHS),
+    ("geom site", "fromto", 6, LENGTHS),
+    ("joint", "pos axis", 3, LENGTHS),
     ("joint", "range", 2, FINITE),
     ("joint", "ref springref", 1, FINITE),
     ("mesh", "refquat", 4, FINITE),
     // The scale of a mesh is of URDF as well; what follows is of URDF alone, where a limit that is infinite is none.
-    ("mesh", "refpos scale", 3, GREATEST_LENGTH),
-    ("limit", "lower upper", 1, f64::INFINITY),
-    ("origin", "xyz rpy", 3, GREATEST_LENGTH),
-    ("axis", "xyz", 3, GREATEST_LENGTH),
-    ("box", "size", 3, GREATEST_LENGTH),
-    ("sphere cylinder capsule", "radius length", 1, GREATEST_LENGTH),
+    ("mesh", "refpos scale", 3, LENGTHS),
+    ("limit", "lower upper", 1, [f64::NEG_INFINITY, f64::INFINITY]),
+    ("origin", "xyz rpy", 3, LENGTHS),
+    ("axis", "xyz", 3, LENGTHS),
+    ("box", "size", 3, LENGTHS),
+    ("sphere cylinder capsule", "radius length", 1, LENGTHS),
     ("mass inertia mimic", "value ixx ixy ixz iyy iyz izz multiplier offset", 1, FINITE),
-    ("texture", "width height", 0, 16384.0),
-    ("texture", "gridsize", 0, 4096.0),
-    ("hfield", "nrow ncol", 0, 8192.0),
-    ("composite flexcomp replicate", "count", 0, 10_000.0),
-    ("size", "njmax nconmax", 0, 100_000.0),
-    ("size", "nstack", 0, 1e8),
-    ("size", "nuserdata nkey", 0, 1e6),
+    ("texture", "width height", 0, up_to(16384.0)),
+    ("texture", "gridsize", 0, up_to(4096.0)),
+    ("hfield", "nrow ncol", 0, up_to(8192.0)),
+    ("composite flexcomp replicate", "count", 0, up_to(10_000.0)),
+    ("size", "njmax nconmax", 0, up_to(100_000.0)),
+    ("size", "nstack", 0, up_to(1e8)),
+    ("size", "nuserdata nkey", 0, up_to(1e6)),
     (
         "size",
         "nuser_body nuser_jnt nuser_geom nuser_site nuser_cam nuser_tendon nuser_actuator nuser_sensor",
         0,
-        1e6,
+        up_to(1e6),
     ),
-    ("quality global", "shadowsize offwidth offheight", 0, 65536.0),
-    ("quality", "offsamples", 0, 1024.0),
+    ("quality global", "shadowsize offwidth offheight", 0, up_to(65536.0)),
+    ("quality", "offsamples", 0, up_to(1024.0)),
+    ("option", "timestep", 0, TIME_STEPS),
+    (
+        "option",
+        "iterations noslip_iterations mpr_iterations ls_iterations ccd_iterations sdf_iterations sdf_initpoints",
+        0,
+        ITERATIONS,
+    ),
     (
         "*",
         "size pos fromto scale refpos vertex spacing margin gap axis quat euler axisangle xyaxes zaxis center offset xyz rpy \
          radius length maxhullvert",
         0,
-        GREATEST_LENGTH,
+        LENGTHS,
     ),
     (
         "*",
@@ -83,17 +95,12 @@ const NUMBERS: [(&str, &str, usize, f64); 28] = [
 ];
 
 /// What has one of these words: elements, their attribute, the words.
-const WORDS: [(&[&str], &str, &[&str]); 6] = [
-    (&["compiler"], "angle", &["degree", "radian"]),
-    (&["compiler"], "autolimits", &["true", "false"]),
-    (&["compiler"], "strippath", &["true", "false"]),
-    (&["joint"], "limited", &["true", "false", "auto"]),
-    (&["joint"], "type", &["free", "ball", "slide", "hinge"]),
-    (
-        &["geom"],
-        "type",
-        &["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"],
-    ),
+const WORDS: [(&str, &str, &str); 5] = [
+    ("compiler", "angle", "degree radian"),
+    ("compiler", "autolimits strippath", "true false"),
+    ("joint", "limited", "true false auto"),
+    ("joint", "type", "free ball slide hinge"),
+    ("geom", "type", "plane hfield sphere capsule ellipsoid cylinder box mesh sdf"),
 ];
 
 /// Checks what a model's file and what it includes say.
@@ -155,9 +162,7 @@ enum Part {
 }
 
 fn within(source: &Source, element: &Element, part: Part) -> Result<(), Refused> {
-    let wrong = element.attributes.iter().find_map(|(name, value)| {
-        unsimulated(element, name, value).or_else(|| fault(element, name, value, part))
-    });
+    let wrong = element.attributes.iter().find_map(|(name, value)| fault(element, name, value, part));
     let wrong = wrong.or_else(|| undirected(element).filter(|_| part == Part::Bodies));
     if let Some(message) = wrong {
         return Err(source.refused(element, message));
@@ -175,27 +180,6 @@ fn within(source: &Source, element: &Element, part: Part) -> Result<(), Refused>
     })
 }
 
-/// What is wrong with a setting of the engine with which nothing can be simulated in a time that anybody would wait.
-fn unsimulated(element: &Element, attribute: &str, value: &str) -> Option<String> {
-    if element.name != "option" {
-        return None;
-    }
-    let number = number(value.trim())?;
-    let [least, greatest] = TIME_STEPS;
-    if attribute == "timestep" && !(least..=greatest).contains(&number) {
-        return Some(format!(
-            "timestep=\"{value}\" is no step of time that can be simulated; give seconds from {least} to {greatest}, such as 0.002"
-        ));
-    }
-    let iterations = attribute.ends_with("iterations") || attribute == "sdf_initpoints";
-    (iterations && !(0.0..=GREATEST_ITERATIONS).contains(&number)).then(|| {
-        format!(
-            "{attribute}=\"{value}\" is no number of iterations that can be waited for; give a whole number from 0 to \
-             {GREATEST_ITERATIONS}"
-        )
-    })
-}
-
 /// The number that `token` begins with, as C reads it.
 fn number(token: &str) -> Option<f64> {
     let ends = token.char_indices().map(|(at, mark)| at + mark.len_utf8());
@@ -210,10 +194,11 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
     }
     let title = element.title();
     if part == Part::Bodies {
-        let choice =
-            WORDS.iter().find(|(names, word, _)| names.contains(&element.name.as_str()) && *word == name);
-        if let Some((_, _, words)) = choice.filter(|(_, _, words)| !words.contains(&value)) {
-            let words = one_of(words);
+        let choice = WORDS.iter().find(|(of, word, _)| *of == element.name && is_of(word, name));
+        if let Some((_, _, words)) = choice.filter(|(_, _, words)| !is_of(words, value)) {
+            let words = words
+                .rsplit_once(' ')
+                .map_or(String::new(), |(others, last)| format!("{} or {last}", others.replace(' ', ", ")));
             return Some(format!("{name}=\"{value}\" of {title} is no word of MJCF; give {words}"));
         }
         let axes = value.len() == 3 && value.chars().all(|axis| "xyzXYZ".contains(axis));
@@ -224,7 +209,7 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
         }
     }
     let of = |elements: &str| elements == "*" || is_of(elements, &element.name);
-    let &(_, _, count, greatest) =
+    let &(_, _, count, [least, greatest]) =
         NUMBERS.iter().find(|(elements, attributes, ..)| of(elements) && is_of(attributes, name))?;
     // Elsewhere the same words may mean something else, and the engine reads what begins with a number.
     let count = if part == Part::Other { 0 } else { count };
@@ -232,13 +217,13 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
     let tokens: Vec<&str> = value.split_whitespace().collect();
     for token in &tokens {
         let fault = match (number(token), token.parse::<f64>()) {
-            (Some(x), _) if x.is_nan() || x.abs() > greatest && x.is_infinite() => {
+            (Some(x), _) if !x.is_finite() && (x.is_nan() || greatest.is_finite()) => {
                 "is no finite number; give one"
             }
-            (Some(x), _) if x.abs() > greatest => {
+            (Some(x), _) if !(least..=greatest).contains(&x) => {
+                let (bound, mend) = if x > greatest { (greatest, "smaller") } else { (least, "greater") };
                 return Some(format!(
-                    "\"{token}\" in {name} of {title} is beyond {greatest}, the greatest that MuJoCo takes safely; give a \
-                     smaller number"
+                    "{name}=\"{token}\" of {title} is beyond {bound}, the limit of what MuJoCo takes safely; give a {mend} number"
                 ));
             }
             (_, Err(_)) if strict && token.contains("${") => {
@@ -273,12 +258,4 @@ fn undirected(element: &Element) -> Option<String> {
         .orientation(element)
         .is_none()
         .then(|| format!("{first} of {title} gives no direction; give it numbers that make one"))
-}
-
-/// Words as a choice.
-fn one_of(words: &[&str]) -> String {
-    match words {
-        [all @ .., last] if !all.is_empty() => format!("{} or {last}", all.join(", ")),
-        _ => words.concat(),
-    }
 }

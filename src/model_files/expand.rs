@@ -85,19 +85,17 @@ impl Expanded {
             autolimits: source.root.setting("compiler", "autolimits") != Some("false"),
             colours: colours.collect(),
             models: assets().filter(|e| e.name == "model").map(|e| (model_name(source, e), e)).collect(),
-            meshes: meshes.collect(),
-            references,
+            made: Expanded { world: Vec::new(), meshes: meshes.collect(), references },
             defaults,
             left_out,
             elements: 0,
             nesting,
         };
-        let mut world = Vec::new();
         for section in sections("worldbody") {
-            world.extend(expansion.children(section, section.get("childclass"))?);
+            let world = expansion.children(section, section.get("childclass"))?;
+            expansion.made.world.extend(world);
         }
-        let Expansion { meshes, references, .. } = expansion;
-        Ok(Expanded { world, meshes, references })
+        Ok(expansion.made)
     }
 }
 
@@ -126,8 +124,7 @@ struct Expansion<'a> {
     colours: BTreeMap<String, String>,
     /// The models that can be attached, by name.
     models: BTreeMap<String, &'a Element>,
-    meshes: Vec<Element>,
-    references: Vec<(&'static str, Element)>,
+    made: Expanded,
     left_out: &'a mut LeftOut,
     elements: usize,
     nesting: usize,
@@ -285,9 +282,9 @@ impl Expansion<'_> {
         inner.iter().for_each(|element| names(element, &mut replicated));
         let changes: Vec<_> = (0..count).map(suffixed).collect();
         let changes: Vec<&dyn Fn(&str) -> String> = changes.iter().map(|change| change as _).collect();
-        for (section, entry) in std::mem::take(&mut self.references) {
+        for (section, entry) in std::mem::take(&mut self.made.references) {
             let entries = repeated(&entry, &replicated, &changes);
-            self.references.extend(entries.into_iter().map(|entry| (section, entry)));
+            self.made.references.extend(entries.into_iter().map(|entry| (section, entry)));
         }
         let (mut pose, mut plain) = (Isometry3::identity(), Vec::new());
         for change in changes {
@@ -354,14 +351,16 @@ impl Expansion<'_> {
         let mut taken: BTreeSet<Name> = BTreeSet::new();
         world.iter().for_each(|element| names(element, &mut taken));
         for (section, entry) in references.iter().filter(|(_, entry)| whole(entry, &taken)) {
-            self.references.extend(repeated(entry, &taken, &[&prefixed]).into_iter().map(|e| (*section, e)));
+            self.made
+                .references
+                .extend(repeated(entry, &taken, &[&prefixed]).into_iter().map(|e| (*section, e)));
         }
         for mut mesh in meshes {
             let name = prefixed(&mesh_name(&mesh).unwrap_or_default());
             mesh.set("name", name.clone());
             // A model may be attached several times.
-            if self.meshes.iter().all(|other| other.get("name") != Some(&name)) {
-                self.meshes.push(mesh);
+            if self.made.meshes.iter().all(|other| other.get("name") != Some(&name)) {
+                self.made.meshes.push(mesh);
             }
         }
         for element in &mut world {

@@ -20,6 +20,13 @@ use crate::plausible::bounded;
 /// bodies that only carry others.
 const LEAST_MASS: [(&str, &str); 2] = [("boundmass", "1e-6"), ("boundinertia", "1e-9")];
 
+/// What the engine asks for, and the settings that give it.
+const SETTINGS: [(&str, &[(&str, &str)]); 3] = [
+    ("autolimits", &[("autolimits", "true")]),
+    ("balanceinertia", &[("balanceinertia", "true")]),
+    ("larger than mjMINVAL", &LEAST_MASS),
+];
+
 /// What the engine says of a body whose geoms weigh too little for it to find where they are heaviest.
 const TOO_LIGHT: [&str; 2] = ["body mass is too small", "alternative for principal axes"];
 
@@ -268,63 +275,39 @@ fn no_model(source: &Source, root: &str) -> Refused {
 /// Newer engines take limits from ranges unless they are told otherwise; and what weighs too little for dynamics can be
 /// moved all the same.
 fn mend(root: &mut Element, complaint: &Complaint) -> bool {
-    let settings: &[(&str, &str)] = if complaint.message.contains("autolimits") {
-        &[("autolimits", "true")]
-    } else if complaint.message.contains("balanceinertia") {
-        &[("balanceinertia", "true")]
-    } else if complaint.message.contains("larger than mjMINVAL") {
-        &LEAST_MASS
-    } else if TOO_LIGHT.iter().any(|words| complaint.message.contains(words)) {
-        return weigh(root, complaint);
-    } else if complaint.message.contains("inertia alternative") {
-        return unweigh(root, complaint);
-    } else if SURFACE_FAULTS.iter().any(|fault| complaint.message.contains(fault)) {
-        return thin(root, &complaint.message);
-    } else {
-        return false;
-    };
-    let last = root.all("compiler").next_back();
-    if settings.iter().all(|(name, value)| last.is_some_and(|e| e.get(name) == Some(value))) {
-        return false;
+    let says = |words: &&str| complaint.message.contains(*words);
+    if let Some((_, settings)) = SETTINGS.iter().find(|(words, _)| says(words)) {
+        let last = root.all("compiler").next_back();
+        let given = settings.iter().all(|(name, value)| last.is_some_and(|e| e.get(name) == Some(value)));
+        settings.iter().for_each(|(name, value)| set_compiler(root, name, value));
+        return !given;
     }
-    settings.iter().for_each(|(name, value)| set_compiler(root, name, value));
-    true
-}
-
-/// Gives a body whose geoms weigh nothing the least mass there is; whether it had none yet.
-fn weigh(root: &mut Element, complaint: &Complaint) -> bool {
-    let [mass, inertia] = LEAST_MASS.map(|(_, least)| least.to_string());
-    let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
-    if body.name != "body" || body.child("inertial").is_some() {
-        return false;
+    if SURFACE_FAULTS.iter().any(says) {
+        // The geoms of a flat mesh weigh as its surface does.
+        let mut changed = false;
+        root.each(&mut |e| {
+            let of_mesh = e.name == "geom" && e.get("mesh").is_some_and(|mesh| says(&mesh));
+            if of_mesh && !e.has("shellinertia") {
+                e.set("shellinertia", "true");
+                changed = true;
+            }
+        });
+        return changed;
     }
-    let least = [("pos", "0 0 0".into()), ("mass", mass), ("diaginertia", [inertia.as_str(); 3].join(" "))];
-    body.children.insert(0, element("inertial", &least));
-    set_compiler(root, "inertiafromgeom", "auto");
-    true
-}
-
-/// Takes an inertia that no body can have from its body, which then weighs what its geoms do; whether it had one.
-fn unweigh(root: &mut Element, complaint: &Complaint) -> bool {
     let Some(body) = complaint.element.and_then(|number| numbered(root, number)) else { return false };
-    let before = body.children.len();
-    body.children.retain(|child| child.name != "inertial");
-    body.children.len() < before
-}
-
-/// Lets the geoms of a flat mesh weigh as its surface does; whether there is any that does not.
-fn thin(root: &mut Element, message: &str) -> bool {
-    let mut changed = false;
-    root.each(&mut |e| {
-        if e.name == "geom"
-            && e.get("mesh").is_some_and(|mesh| message.contains(mesh))
-            && !e.has("shellinertia")
-        {
-            e.set("shellinertia", "true");
-            changed = true;
-        }
-    });
-    changed
+    let has_inertia = body.child("inertial").is_some();
+    if TOO_LIGHT.iter().any(says) && body.name == "body" && !has_inertia {
+        let [mass, inertia] = LEAST_MASS.map(|(_, least)| least.to_string());
+        let moments = [inertia.as_str(); 3].join(" ");
+        let least = [("pos", "0 0 0".into()), ("mass", mass), ("diaginertia", moments)];
+        body.children.insert(0, element("inertial", &least));
+        set_compiler(root, "inertiafromgeom", "auto");
+        return true;
+    }
+    // An inertia that no body can have: it then weighs what its geoms do.
+    let impossible = has_inertia && says(&"inertia alternative");
+    body.children.retain(|child| !impossible || child.name != "inertial");
+    impossible
 }
 
 /// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.

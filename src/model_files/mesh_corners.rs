@@ -24,13 +24,18 @@ pub(super) fn holds_corners(file: &Path) -> bool {
     all_corners(file).is_some_and(|corners| !corners.is_empty())
 }
 
+/// The kind of a file by its name, in small letters.
+pub(super) fn kind(file: &Path) -> String {
+    file.extension().and_then(|kind| kind.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 /// All corners in a file, as often as they occur.
 fn all_corners(file: &Path) -> Option<Vec<[f32; 3]>> {
     if std::fs::metadata(file).ok()?.len() > GREATEST_FILE {
         return None;
     }
     let bytes = std::fs::read(file).ok()?;
-    let all = match super::mesh_files::kind(file).as_str() {
+    let all = match kind(file).as_str() {
         "stl" => binary_stl(&bytes).or_else(|| text_stl(&bytes))?,
         "obj" => obj(&bytes)?,
         "ply" => ply(&bytes)?,

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::mesh_corners::{corners, holds_corners};
+use super::mesh_corners::{corners, holds_corners, kind};
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
 use super::tree::Element;
 
@@ -133,11 +133,6 @@ fn in_any_case(path: &Path) -> Option<PathBuf> {
 pub(super) fn mesh_name(mesh: &Element) -> Option<String> {
     let stem = || Path::new(mesh.get("file")?).file_stem()?.to_str().map(str::to_string);
     mesh.get("name").map(str::to_string).or_else(stem)
-}
-
-/// The kind of a file by its name, in small letters.
-pub(super) fn kind(file: &Path) -> String {
-    file.extension().and_then(|kind| kind.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
 /// Gives a mesh the corners of its file in the place of the file, or takes its faces from it, so that the engine makes its

@@ -42,11 +42,7 @@ impl Angles {
     fn euler(&self, angles: [f64; 3]) -> UnitQuaternion<f64> {
         let turns = self.sequence.iter().zip(angles);
         turns.fold(UnitQuaternion::identity(), |before, (axis, angle)| {
-            let unit = match axis.to_ascii_lowercase() {
-                b'x' => Vector3::x_axis(),
-                b'y' => Vector3::y_axis(),
-                _ => Vector3::z_axis(),
-            };
+            let unit = Vector3::ith_axis(usize::from(axis.to_ascii_lowercase().saturating_sub(b'x').min(2)));
             let turn = UnitQuaternion::from_axis_angle(&unit, self.radians(angle));
             if axis.is_ascii_lowercase() { before * turn } else { turn * before }
         })
@@ -54,26 +50,23 @@ impl Angles {
 
     /// The orientation that an element gives, if it gives one.
     pub fn orientation(&self, element: &Element) -> Option<UnitQuaternion<f64>> {
-        let given = |name: &str| element.get(name).map(numbers);
-        if let Some([x, y, z]) = given("euler").as_deref() {
-            return Some(self.euler([*x, *y, *z]));
-        }
-        if let Some([x, y, z]) = given("zaxis").as_deref() {
-            return Some(onto(&Vector3::new(*x, *y, *z).try_normalize(0.0)?));
-        }
-        if let Some([a, b, c, d, e, f]) = given("xyaxes").as_deref() {
-            let x = Vector3::new(*a, *b, *c).try_normalize(0.0)?;
-            let y = Vector3::new(*d, *e, *f);
-            let y = (y - x * x.dot(&y)).try_normalize(0.0)?;
-            let matrix = Matrix3::from_columns(&[x, y, x.cross(&y)]);
-            return Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)));
-        }
-        if let Some([x, y, z, angle]) = given("axisangle").as_deref() {
-            let axis = Vector3::new(*x, *y, *z).try_normalize(0.0)?;
-            return Some(UnitQuaternion::from_scaled_axis(axis * self.radians(*angle)));
-        }
-        match given("quat").as_deref() {
-            Some([w, x, y, z]) => UnitQuaternion::try_new(Quaternion::new(*w, *x, *y, *z), 0.0),
+        let given = |name| Some((name, numbers(element.get(name)?))).filter(|(_, given)| !given.is_empty());
+        let (name, given) = ORIENTATIONS.into_iter().find_map(given)?;
+        match (name, given.as_slice()) {
+            ("quat", [w, x, y, z]) => UnitQuaternion::try_new(Quaternion::new(*w, *x, *y, *z), 0.0),
+            ("axisangle", [x, y, z, angle]) => {
+                let axis = Vector3::new(*x, *y, *z).try_normalize(0.0)?;
+                Some(UnitQuaternion::from_scaled_axis(axis * self.radians(*angle)))
+            }
+            ("xyaxes", [a, b, c, d, e, f]) => {
+                let x = Vector3::new(*a, *b, *c).try_normalize(0.0)?;
+                let y = Vector3::new(*d, *e, *f);
+                let y = (y - x * x.dot(&y)).try_normalize(0.0)?;
+                let matrix = Matrix3::from_columns(&[x, y, x.cross(&y)]);
+                Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)))
+            }
+            ("zaxis", [x, y, z]) => Some(onto(&Vector3::new(*x, *y, *z).try_normalize(0.0)?)),
+            ("euler", [x, y, z]) => Some(self.euler([*x, *y, *z])),
             _ => None,
         }
     }

@@ -10,7 +10,8 @@ use std::path::Path;
 
 use super::expand::{Expanded, REFERENCES};
 use super::left_out::LeftOut;
-use super::mesh_files::{fault, kind, mesh_name, take_corners};
+use super::mesh_corners::kind;
+use super::mesh_files::{fault, mesh_name, take_corners};
 use super::references::{Name, names, stands};
 use super::schema::Schema;
 use super::source::{Refused, Source};

@@ -7,7 +7,7 @@ use super::tree::Element;
 
 /// Greatest bytes of an XML file; what is large in a model lies in its meshes.
 const GREATEST_FILE: u64 = 256 << 20;
-/// How deep files may include each other.
+/// How many files a model may be made of: what writes out their includes goes down by calls.
 const GREATEST_INCLUSION: usize = 1000;
 
 /// Why a file cannot be read: a clause with its mend, and where it applies.
@@ -74,10 +74,49 @@ impl Source {
     }
 
     fn included(path: &Path, mut root: Element) -> Result<Source, Refused> {
-        let main = folder_of(path);
-        let mut files = vec![path.to_path_buf()];
-        Include { main: &main, files: &mut files }.within(&mut root, &main, path, 0)?;
-        Ok(Source { path: path.to_path_buf(), files, root })
+        let files = vec![path.to_path_buf()];
+        let mut source = Source { path: path.to_path_buf(), files, root: Element::default() };
+        source.include(&mut root, path)?;
+        Ok(Source { root, ..source })
+    }
+
+    /// Writes out what an element of the file `path` includes. Paths are sought from the main file's folder, as MuJoCo has it,
+    /// then from the folder of the file that includes.
+    fn include(&mut self, element: &mut Element, path: &Path) -> Result<(), Refused> {
+        for mut inner in std::mem::take(&mut element.children) {
+            if inner.name != "include" {
+                self.include(&mut inner, path)?;
+                element.children.push(inner);
+                continue;
+            }
+            let refused = |message: String| Err(Refused::of(&inner, path, message));
+            let Some(name) = inner.get("file").filter(|name| !name.is_empty()) else {
+                return refused("<include> names no file; give it file=\"…\"".into());
+            };
+            let file = with_slashes(name);
+            let candidates = [&self.path, path].map(|from| folder_of(from).join(&file));
+            let Some(found) = candidates.into_iter().find(|candidate| candidate.is_file()) else {
+                return refused(format!("it includes {name}, which cannot be found; correct the path there"));
+            };
+            if self.files.contains(&found) {
+                return refused(format!(
+                    "it includes {name} a second time; MuJoCo allows each file once: remove it there"
+                ));
+            }
+            if self.files.len() >= GREATEST_INCLUSION {
+                return refused("it includes more files than can be; remove an <include>".into());
+            }
+            self.files.push(found.clone());
+            let mut included = parse(&found, &text_of(&found)?)?;
+            if included.name == "robot" {
+                return refused(format!(
+                    "it includes {name}, which is URDF; convert it first, or remove it there"
+                ));
+            }
+            self.include(&mut included, &found)?;
+            element.children.extend(included.children);
+        }
+        Ok(())
     }
 }
 
@@ -112,26 +151,28 @@ pub(super) fn whole_folder_of(path: &Path) -> PathBuf {
 
 /// The text of a model file, whatever its encoding.
 fn text_of(path: &Path) -> Result<String, Refused> {
-    let refused = |message: String| Refused::file(path, message);
-    let about = std::fs::metadata(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => {
-            refused("there is no such file; give the path of an MJCF or URDF file".into())
+    let refused = |message: &str| Err(Refused::file(path, message));
+    let read = || -> std::io::Result<_> {
+        let about = std::fs::metadata(path)?;
+        let readable = about.is_file() && about.len() <= GREATEST_FILE;
+        Ok((about, if readable { std::fs::read(path)? } else { Vec::new() }))
+    };
+    match read() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            refused("there is no such file; give the path of an MJCF or URDF file")
         }
-        _ => refused(format!("it cannot be read ({error}); give an MJCF or URDF file that can")),
-    })?;
-    if !about.is_file() {
-        return Err(refused("it is no regular file; give the path of an MJCF or URDF file".into()));
+        Err(error) => refused(&format!("it cannot be read ({error}); give an MJCF or URDF file that can")),
+        Ok((about, _)) if !about.is_file() => {
+            refused("it is no regular file; give the path of an MJCF or URDF file")
+        }
+        Ok((about, _)) if about.len() > GREATEST_FILE => {
+            refused("it is larger than 256 MiB; give the path of an MJCF or URDF file")
+        }
+        Ok((_, bytes)) if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) => {
+            refused("it is in UTF-16; save it in UTF-8")
+        }
+        Ok((_, bytes)) => Ok(text_from(&bytes)),
     }
-    if about.len() > GREATEST_FILE {
-        return Err(refused("it is larger than 256 MiB; give the path of an MJCF or URDF file".into()));
-    }
-    let bytes = std::fs::read(path).map_err(|error| {
-        refused(format!("it cannot be read ({error}); give an MJCF or URDF file that can"))
-    })?;
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(refused("it is in UTF-16; save it in UTF-8".into()));
-    }
-    Ok(text_from(&bytes))
 }
 
 /// The text of bytes, as long as they are: a mark stands for each that is not of UTF-8.
@@ -142,62 +183,4 @@ pub(super) fn text_from(bytes: &[u8]) -> String {
         text.extend(std::iter::repeat_n('?', part.invalid().len()));
     }
     text
-}
-
-/// What is known while includes are written out.
-struct Include<'a> {
-    main: &'a Path,
-    files: &'a mut Vec<PathBuf>,
-}
-
-impl Include<'_> {
-    /// Writes out what an element of the file `path`, in `folder`, includes. Paths are sought from the main file's
-    /// folder, as MuJoCo has it, then from the folder of the file that includes.
-    fn within(
-        &mut self,
-        element: &mut Element,
-        folder: &Path,
-        path: &Path,
-        depth: usize,
-    ) -> Result<(), Refused> {
-        for mut inner in std::mem::take(&mut element.children) {
-            if inner.name != "include" {
-                self.within(&mut inner, folder, path, depth)?;
-                element.children.push(inner);
-                continue;
-            }
-            let inner = &inner;
-            let Some(name) = inner.get("file").filter(|name| !name.is_empty()) else {
-                return Err(Refused::of(inner, path, "<include> names no file; give it file=\"…\""));
-            };
-            let file = with_slashes(name);
-            let candidates = [self.main.join(&file), folder.join(&file)];
-            let Some(found) = candidates.iter().find(|candidate| candidate.is_file()) else {
-                let message = format!("it includes {name}, which cannot be found; correct the path there");
-                return Err(Refused::of(inner, path, message));
-            };
-            if self.files.contains(found) {
-                let message = format!(
-                    "it includes {name} a second time; MuJoCo allows each file once: remove it there"
-                );
-                return Err(Refused::of(inner, path, message));
-            }
-            self.files.push(found.clone());
-            let mut included = parse(found, &text_of(found)?)?;
-            if included.name == "robot" {
-                let message =
-                    format!("it includes {name}, which is URDF; convert it first, or remove it there");
-                return Err(Refused::of(inner, path, message));
-            }
-            if depth >= GREATEST_INCLUSION {
-                return Err(Refused::file(
-                    found,
-                    "files include each other without end; remove an <include>",
-                ));
-            }
-            self.within(&mut included, &folder_of(found), found, depth + 1)?;
-            element.children.extend(included.children);
-        }
-        Ok(())
-    }
 }

@@ -70,7 +70,7 @@ pub fn read_dh(path: &Path, bytes: &[u8]) -> Result<Robot, Error> {
 /// Where `original` is no such table.
 pub fn write_dh(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -> Result<Written, Error> {
     let table = DhTable::read(path, original)?;
-    let lines = Lines::of(original);
+    let end = |line: usize| line_at(original, line).end;
     let mut edits = Edits::default();
     for (column, measure, _) in NUMBERS {
         // Where a cell is to be added, and what is to be in it.
@@ -84,53 +84,39 @@ pub fn write_dh(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -
             let value = values[quantity].number();
             match table.at(column) {
                 Some(at) if value == table.number(row, at, measure).unwrap_or_default() => {}
-                Some(at) => edits.replace(lines.cell(*line, at), exact(&[table.own_unit(at, value)])),
+                Some(at) => edits.replace(cell_at(original, *line, at), exact(&[table.own_unit(at, value)])),
                 None => added.push((*line, value)),
             }
         }
         if added.iter().any(|(_, value)| *value != 0.0) {
-            edits.insert(lines.end(table.table.line), format!(",{column}"));
+            edits.insert(end(table.table.line), format!(",{column}"));
             added.into_iter().for_each(|(line, value)| {
-                edits.insert(lines.end(line), format!(",{}", exact(&[value])));
+                edits.insert(end(line), format!(",{}", exact(&[value])));
             });
         }
     }
     Ok(Written { bytes: edits.of(original), left_out: unsaid(robot, values) })
 }
 
-/// The lines of a file, and the cells in them.
-struct Lines<'b>(Vec<(usize, &'b [u8])>);
+/// Where a line of a file is, counted from 1, without what ends it.
+fn line_at(bytes: &[u8], line: usize) -> Range<usize> {
+    let mut lines = bytes.split(|byte| *byte == b'\n');
+    let begin: usize = lines.by_ref().take(line - 1).map(|line| line.len() + 1).sum();
+    let text = lines.next().unwrap_or_default();
+    begin..begin + text.strip_suffix(b"\r").unwrap_or(text).len()
+}
 
-impl Lines<'_> {
-    fn of(bytes: &[u8]) -> Lines<'_> {
-        let mut begin = 0;
-        let lines = bytes.split(|byte| *byte == b'\n').map(|line| {
-            let at = begin;
-            begin += line.len() + 1;
-            (at, line.strip_suffix(b"\r").unwrap_or(line))
-        });
-        Lines(lines.collect())
-    }
-
-    /// Where a line ends, counted from 1.
-    fn end(&self, line: usize) -> usize {
-        let (begin, text) = self.0[line - 1];
-        begin + text.len()
-    }
-
-    /// Where a cell of a line is, without blanks and quotes about it.
-    fn cell(&self, line: usize, cell: usize) -> Range<usize> {
-        let (begin, text) = self.0[line - 1];
-        let mut quoted = false;
-        let mut cells = text.split(|byte| {
-            quoted ^= *byte == b'"';
-            *byte == b',' && !quoted
-        });
-        let bare = cells.nth(cell).unwrap_or_default().trim_ascii();
-        let bare = bare.strip_prefix(b"\"").and_then(|inside| inside.strip_suffix(b"\"")).unwrap_or(bare);
-        let from = begin + (bare.as_ptr() as usize - text.as_ptr() as usize);
-        from..from + bare.len()
-    }
+/// Where a cell of a line is, without blanks and quotes about it.
+fn cell_at(bytes: &[u8], line: usize, cell: usize) -> Range<usize> {
+    let mut quoted = false;
+    let mut cells = bytes[line_at(bytes, line)].split(|byte| {
+        quoted ^= *byte == b'"';
+        *byte == b',' && !quoted
+    });
+    let bare = cells.nth(cell).unwrap_or_default().trim_ascii();
+    let bare = bare.strip_prefix(b"\"").and_then(|inside| inside.strip_suffix(b"\"")).unwrap_or(bare);
+    let from = bare.as_ptr() as usize - bytes.as_ptr() as usize;
+    from..from + bare.len()
 }
 
 /// A table whose columns are known.

@@ -14,7 +14,7 @@ const GREATEST_GRAVITY: f64 = 1e4;
 
 /// What is wrong with a robot, and the mend.
 pub(super) fn fault(robot: &Robot) -> Option<String> {
-    let of_quantities = robot.quantities.iter().find_map(|quantity| {
+    let quantities = robot.quantities.iter().filter_map(|quantity| {
         let fault = match (&quantity.nominal, quantity.unit) {
             (Value::Position(place), _) => place_fault(place),
             (Value::Direction(_) | Value::Orientation(_), _) => None,
@@ -26,47 +26,36 @@ pub(super) fn fault(robot: &Robot) -> Option<String> {
         };
         fault.map(|fault| format!("{} {fault}", quantity.name))
     });
-    let of_ranges = || {
-        robot.dofs.iter().find_map(|dof| {
-            let [low, high] = dof.range;
-            let possible = |end: f64| if dof.kind == DofKind::Slide { is_length(end) } else { is_angle(end) };
-            (!(low <= high && possible(low) && possible(high))).then(|| {
-                format!(
-                    "the range of {} is {low} to {high}: give two numbers in order, radians or metres",
-                    dof.name
-                )
-            })
+    let ranges = robot.dofs.iter().filter_map(|dof| {
+        let (name, [low, high]) = (&dof.name, dof.range);
+        let is_possible = if dof.kind == DofKind::Slide { is_length } else { is_angle };
+        (!(low <= high && is_possible(low) && is_possible(high))).then(|| {
+            format!("the range of {name} is {low} to {high}: give two numbers in order, radians or metres")
         })
-    };
-    let of_surfaces = || {
-        robot.surfaces.iter().find_map(|surface| {
-            let shape = match &surface.form {
-                Form::Solid(shape) => shape_fault(shape),
-                Form::Plane => None,
-                Form::Sphere(radius) => match robot.quantities[*radius].nominal {
-                    Value::Number(radius) if radius > 0.0 => None,
-                    _ => Some("has no radius above 0: give metres".into()),
-                },
-            };
-            let fault = pose_fault(&surface.pose).or(shape)?;
-            Some(format!("surface {} {fault}", surface.name))
-        })
-    };
-    let of_masses = || {
-        robot.masses.iter().find_map(|mass| {
-            let link = &robot.links[mass.link].name;
-            if !(0.0..=GREATEST_MASS).contains(&mass.mass) {
-                return Some(format!("the mass of {link} is {}: give kilograms from 0 on", mass.mass));
+    });
+    let surfaces = robot.surfaces.iter().filter_map(|surface| {
+        let shape = || match &surface.form {
+            Form::Solid(shape) => shape_fault(shape),
+            Form::Plane => None,
+            Form::Sphere(radius) => {
+                let possible = robot.quantities[*radius].nominal.number() > 0.0;
+                (!possible).then(|| "has no radius above 0: give metres".into())
             }
-            place_fault(&mass.centre).map(|fault| format!("the centre of the mass of {link} {fault}"))
-        })
-    };
-    let heavy = || {
-        let acceleration = robot.gravity.norm();
-        (acceleration.is_nan() || acceleration > GREATEST_GRAVITY)
-            .then(|| format!("its gravity is {:?}: give m/s², such as 0, 0, -9.81", robot.gravity.as_slice()))
-    };
-    of_quantities.or_else(of_ranges).or_else(of_surfaces).or_else(of_masses).or_else(heavy)
+        };
+        let fault = pose_fault(&surface.pose).or_else(shape)?;
+        Some(format!("surface {} {fault}", surface.name))
+    });
+    let masses = robot.masses.iter().filter_map(|mass| {
+        let link = &robot.links[mass.link].name;
+        if !(0.0..=GREATEST_MASS).contains(&mass.mass) {
+            return Some(format!("the mass of {link} is {}: give kilograms from 0 on", mass.mass));
+        }
+        place_fault(&mass.centre).map(|fault| format!("the centre of the mass of {link} {fault}"))
+    });
+    let weight = robot.gravity.norm();
+    let gravity = (weight.is_nan() || weight > GREATEST_GRAVITY)
+        .then(|| format!("its gravity is {:?}: give m/s², such as 0, 0, -9.81", robot.gravity.as_slice()));
+    quantities.chain(ranges).chain(surfaces).chain(masses).chain(gravity).next()
 }
 
 fn beyond(x: f64, possible: bool, greatest: f64, unit: &str) -> Option<String> {
