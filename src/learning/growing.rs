@@ -125,8 +125,10 @@ pub struct Nursery<'a> {
 pub enum Evidence<'a> {
     /// The two places of a touch are one point.
     Points {
-        /// What the root mean square of the whitened residuals stays below.
+        /// What the root mean square of the whitened residuals stays below, …
         acceptance: f64,
+        /// … and how far each joint may be misread besides, radians.
+        misread: f64,
         /// Whether the places are the centres of patches, which have a bias, and not points.
         patches: bool,
     },
@@ -250,19 +252,20 @@ impl Nursery<'_> {
     }
 
     /// The noise of points: root mean square of the whitened residuals of the part that is solved first, in units
-    /// of one standard deviation each; parameters take up some of it, which is counted in. No acceptance is asked
-    /// for, so that a wrong minimum of all initial guesses makes it too large.
-    pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<f64> {
+    /// of one standard deviation each; parameters take up some of it, which is counted in. And how far each joint is misread where
+    /// it is all by that, radians. No acceptance is asked for, so that a wrong minimum of all initial guesses makes it too large.
+    pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<[f64; 2]> {
         let touches = self.without(&self.starved());
         let part = self.next_part(&touches, Route::Grown, self.frozen)?;
         let closed = closed(&touches, self.frozen, |joint| part.contains(&joint));
-        let nursery = Nursery { evidence: Evidence::Points { acceptance: EXACT, patches: false }, ..*self };
         let schema = &self.prior.mean;
-        let (_, Misfit(rms)) =
-            nursery.solve_part(&closed, schema, (&part, &[]), ONSETS_PER_PART, rng, &mut 0);
+        let (schema, Misfit(misfit)) =
+            self.solve_part(&closed, schema, (&part, &[]), ONSETS_PER_PART, rng, &mut 0);
         let (rows, unknowns) =
             (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
-        Some(rms * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt())
+        // Misfits are told in units of what is accepted.
+        let rms = EXACT * misfit * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt();
+        Some([rms, rms / lever(&closed, &schema)])
     }
 
     /// The joints with too few touches to solve them: each touch closes one gap, or brings a point together.
@@ -529,8 +532,9 @@ impl Nursery<'_> {
         iterations: usize,
     ) -> (BodySchema, Misfit) {
         match self.evidence {
-            Evidence::Points { acceptance, .. } => {
+            Evidence::Points { acceptance, misread, .. } => {
                 let (schema, rms) = self.solve(touches, parameters, start, iterations);
+                let acceptance = acceptance.hypot(misread * lever(touches, &schema));
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
@@ -586,6 +590,20 @@ impl Nursery<'_> {
         let solution = levenberg_marquardt(&mut problem, start, stopping);
         (solution.state, (2.0 * solution.cost / count).sqrt())
     }
+}
+
+/// How fast the points of touches part as a joint is misread: root mean square of the whitened residuals, 1 a radian.
+fn lever(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let mut derivatives = Vec::new();
+    let mut square = |touch: &PreparedTouch| -> f64 {
+        derivatives.clear();
+        for (side, end) in touch.sides.iter().zip(&touch.ends) {
+            side.angle_derivatives(schema, &end.position, &mut derivatives);
+        }
+        let variance = touch.ends.iter().map(|end| end.covariance.trace()).sum::<f64>();
+        derivatives.iter().map(|(_, derivative)| derivative.norm_squared()).sum::<f64>() / variance
+    };
+    (touches.touches().map(&mut square).sum::<f64>() / touches.len().max(1) as f64).sqrt()
 }
 
 /// The touches of the pairs that a part closes: they need it, and nothing else that is unknown.

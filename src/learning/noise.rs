@@ -1,6 +1,6 @@
 //! The noise of touches as it is: how much of it there is of each kind, estimated from the gaps that a schema leaves.
 //!
-//! A gap between two surfaces that touched is not zero where joints are misread, anew in every touch; where a receptor
+//! A gap between two surfaces that touched, or between two points that were one, is not zero where joints are misread, anew in every touch; where a receptor
 //! and the skin under it are not where the agent believes them, the same in all touches of that receptor; and where a
 //! touch is false and says nothing at all. With the gap's derivatives by the parameters (`j`), by the joint angles
 //! (`∂g/∂q`) and by shifts of the skin under its two receptors (`n`), to first order
@@ -17,7 +17,7 @@
 //! that is left when the shifts `d` are eliminated from the normal equations of `δ` and `d` together (Schur's complement).
 
 use nalgebra::linalg::Cholesky;
-use nalgebra::{DMatrix, DVector, Dyn, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Rotation3, Vector3};
 
 use crate::agent::Agent;
 use crate::deadline::count_work;
@@ -40,6 +40,8 @@ const SETTLED: f64 = 1e-2;
 /// in 49 of 50 cases.
 const CHANCE: f64 = 2.0;
 
+/// How far joints are taken to be misread where the axes are chosen along which points are compared, radians.
+const MISREAD: f64 = 0.01;
 /// The least radius of a limb's surface, metres: that of a finger.
 const BENT: f64 = 0.01;
 /// How near the places of two touches on both limbs are whose gaps are alike if the schema is wrong, metres: hardly any
@@ -59,11 +61,13 @@ pub struct Noise {
     pub false_share: f64,
 }
 
-/// The gap of one touch at a schema, and what it depends on.
+/// The gap of one touch at a schema, or that of its two points along one of three axes, and what it depends on.
 #[derive(Clone, Debug)]
 pub struct NoisyGap {
     /// The gap, metres.
     pub gap: f64,
+    /// The variance that it was told to have, m²; 0 where nothing is told.
+    told: f64,
     /// Its derivative by the parameters: pairs of a parameter's place and the derivative by it.
     entries: Vec<(usize, f64)>,
     /// `|∂g/∂q|²`, m² a square radian.
@@ -104,10 +108,32 @@ pub fn widening(agent: &Agent, touches: &TouchSet, schema: &BodySchema, joint: f
     touches.touches().map(widening).collect()
 }
 
+/// What of touches is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// The gap between two surfaces.
+    Surfaces,
+    /// How far apart two points are, along three axes.
+    Points,
+}
+
+impl Compared {
+    /// How many gaps a touch has.
+    pub fn gaps_a_touch(self) -> usize {
+        match self {
+            Compared::Surfaces => 1,
+            Compared::Points => 3,
+        }
+    }
+}
+
 /// The gaps of all touches at a schema, pair by pair, with their derivatives by some parameters; less their
 /// `widening`, if that is given.
+///
+/// Joints that are misread move two points apart in some directions more than in others: their gaps are taken along the axes in
+/// which these motions are independent of one another.
 pub fn gaps_of(
-    agent: &Agent,
+    (agent, compared): (&Agent, Compared),
     touches: &TouchSet,
     parameters: &Parameters,
     schema: &BodySchema,
@@ -122,24 +148,55 @@ pub fn gaps_of(
     }
     let mut row = GapRow::default();
     let mut slopes = Vec::new();
-    let mut gaps = Vec::with_capacity(touches.len());
+    let mut gaps = Vec::with_capacity(compared.gaps_a_touch() * touches.len());
     for pair in &touches.pairs {
         let width = pair.limbs.iter().map(|&limb| sizes[limb]).sum();
         for touch in &pair.touches {
-            row.set(skin, parameters, schema, touch);
-            row.angle_slopes(schema, touch, &mut slopes);
-            gaps.push(NoisyGap {
-                gap: row.gap - widening.get(gaps.len()).copied().unwrap_or(0.0),
-                entries: row.entries.clone(),
-                slope: slopes.iter().map(|(_, slope)| slope.powi(2)).sum(),
-                receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
-                places: row.points,
-                normals: row.normals,
-                width,
-            });
+            let mut push = |row: &GapRow, told: f64| {
+                row.angle_slopes(schema, touch, &mut slopes);
+                gaps.push(NoisyGap {
+                    gap: row.gap - widening.get(gaps.len()).copied().unwrap_or(0.0),
+                    told,
+                    entries: row.entries.clone(),
+                    slope: slopes.iter().map(|(_, slope)| slope.powi(2)).sum(),
+                    receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
+                    places: row.points,
+                    normals: row.normals,
+                    width,
+                });
+            };
+            match compared {
+                Compared::Surfaces => {
+                    row.set(skin, parameters, schema, touch);
+                    push(&row, 0.0);
+                }
+                Compared::Points => {
+                    let (axes, told) = axes_of_misses(schema, touch);
+                    for (axis, told) in axes.column_iter().zip(told) {
+                        row.set_miss(parameters, schema, touch, &axis.into_owned());
+                        push(&row, told);
+                    }
+                }
+            }
         }
     }
     gaps
+}
+
+/// Axes in the common ancestor's frame along which misread joints move the two points of a touch independently of one another, and
+/// the variance that the points were told to have along each, m².
+fn axes_of_misses(schema: &BodySchema, touch: &PreparedTouch) -> (Matrix3<f64>, [f64; 3]) {
+    let (mut told, mut misread) = (Matrix3::zeros(), Matrix3::zeros());
+    let mut derivatives = Vec::new();
+    for (side, end) in touch.sides.iter().zip(&touch.ends) {
+        let rotation = side.frame(schema).rotation;
+        told += rotation * end.covariance * rotation.transpose();
+        derivatives.clear();
+        side.angle_derivatives(schema, &end.position, &mut derivatives);
+        misread += derivatives.iter().map(|(_, d)| d * d.transpose()).sum::<Matrix3<f64>>();
+    }
+    let axes = (told + misread * MISREAD.powi(2)).symmetric_eigen().eigenvectors;
+    (axes, [0, 1, 2].map(|k| axes.column(k).dot(&(told * axes.column(k)))))
 }
 
 impl NoisyGap {
@@ -160,9 +217,9 @@ impl Noise {
         Noise { contact: deviation, joint: 0.0, receptor: 0.0, false_share: 0.0 }
     }
 
-    /// The variance of a gap that is its own, `σ₀² + σ_q² |∂g/∂q|²`, m².
+    /// The variance of a gap that is its own, `σ₀² + σ_q² |∂g/∂q|²` and what it was told to have, m².
     fn own_variance(&self, gap: &NoisyGap) -> f64 {
-        self.contact.powi(2) + self.joint.powi(2) * gap.slope + self.bend()
+        self.contact.powi(2) + self.joint.powi(2) * gap.slope + self.bend() + gap.told
     }
 
     /// The variance that shifts of skin along itself add, m²: to second order they move a surface of the radius `R` by
@@ -263,13 +320,13 @@ impl Noise {
         let rows: Vec<[f64; 4]> =
             (gaps.iter().zip(&system.honest).zip(&solved.residuals).zip(&solved.leverages))
                 .map(|(((gap, honest), residual), leverage)| {
-                    [gap.slope, *honest, honest * residual * residual, honest * (1.0 - leverage).max(1e-9)]
+                    [gap.slope, gap.told, honest * residual * residual, honest * (1.0 - leverage).max(1e-9)]
                 })
                 .collect();
         for _ in 0..STEPS {
             let mut sums = [[0.0; 2]; 2];
-            for [slope, _, square, left] in &rows {
-                let variance = next.contact.powi(2) + next.joint.powi(2) * slope + next.bend();
+            for [slope, told, square, left] in &rows {
+                let variance = next.contact.powi(2) + next.joint.powi(2) * slope + next.bend() + told;
                 let (up, down) = (square / (variance * variance), left / variance);
                 sums[0][0] += up;
                 sums[0][1] += down;
@@ -475,7 +532,7 @@ impl MixedSystem {
     fn alike(&self, gaps: &[NoisyGap], solved: &MixedSolution) -> f64 {
         let receptors = gaps.iter().flat_map(|gap| gap.receptors).max().map_or(0, |last| last + 1);
         let mut sums = vec![Vector3::zeros(); receptors];
-        let mut squares = vec![nalgebra::Matrix3::zeros(); receptors];
+        let mut squares = vec![Matrix3::zeros(); receptors];
         let mut expected = 0.0;
         let mut own = 0.0;
         for (k, gap) in gaps.iter().enumerate() {
@@ -496,7 +553,7 @@ impl MixedSystem {
 
 /// The least-squares problem of touches in some noise: see the [module](self).
 pub struct NoisyProblem<'a> {
-    agent: &'a Agent,
+    of: (&'a Agent, Compared),
     touches: &'a TouchSet,
     parameters: &'a Parameters,
     prior: &'a dyn PriorTerm,
@@ -509,13 +566,13 @@ pub struct NoisyProblem<'a> {
 impl<'a> NoisyProblem<'a> {
     /// The problem of explaining `touches` by moving `parameters`.
     pub fn new(
-        agent: &'a Agent,
+        of: (&'a Agent, Compared),
         touches: &'a TouchSet,
         parameters: &'a Parameters,
         prior: &'a dyn PriorTerm,
         (noise, widening): (Noise, &'a [f64]),
     ) -> NoisyProblem<'a> {
-        NoisyProblem { agent, touches, parameters, prior, noise, widening, system: None, residuals: None }
+        NoisyProblem { of, touches, parameters, prior, noise, widening, system: None, residuals: None }
     }
 
     /// The cost of gaps under the weights of the last linearization.
@@ -542,7 +599,7 @@ impl LeastSquares for NoisyProblem<'_> {
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         let n = self.parameters.len();
         count_work(self.touches.len() * (LOOK + n.pow(2)));
-        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
+        let gaps = gaps_of(self.of, self.touches, self.parameters, schema, self.widening);
         let nothing = DMatrix::zeros(n, n);
         let mut system = MixedSystem::new(&self.noise, &gaps, n, &nothing, self.residuals.as_ref());
         // Who is honest is seen best where the step leads.
@@ -563,7 +620,7 @@ impl LeastSquares for NoisyProblem<'_> {
     }
 
     fn cost(&self, schema: &BodySchema) -> f64 {
-        let gaps = gaps_of(self.agent, self.touches, self.parameters, schema, self.widening);
+        let gaps = gaps_of(self.of, self.touches, self.parameters, schema, self.widening);
         self.cost_of(&gaps) + self.prior.cost(self.parameters, schema)
     }
 
@@ -587,16 +644,25 @@ pub fn information(gaps: &[NoisyGap], parameters: &Parameters, noise: &Noise) ->
 /// The mean product of each touch and its nearest neighbour of the same limb pair that shares no receptor with it, for
 /// gaps that share a receptor may be alike in truth (Moran's I with one neighbour each, "Notes on Continuous Stochastic
 /// Phenomena", 1950). `gaps` are those of `touches`; of the open ones, which are false, nothing is asked.
-pub fn likeness(touches: &TouchSet, gaps: &[NoisyGap], noise: &Noise) -> f64 {
+pub fn likeness(compared: Compared, touches: &TouchSet, gaps: &[NoisyGap], noise: &Noise) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0f64);
     let mut rest = gaps;
     for pair in &touches.pairs {
-        let (own, others) = rest.split_at(pair.touches.len());
+        let (own, others) = rest.split_at(compared.gaps_a_touch() * pair.touches.len());
         rest = others;
-        let closed: Vec<(&NoisyGap, f64)> = own
-            .iter()
-            .map(|gap| (gap, gap.gap / noise.variance(gap).sqrt()))
-            .filter(|(gap, _)| noise.honest(gap, gap.gap, noise.variance(gap)) > 0.5)
+        let deviations = |gap: &NoisyGap| gap.gap / noise.variance(gap).sqrt();
+        // Points are apart by a vector of the first limb, of which no axis is another touch's.
+        let size = |of_touch: &[NoisyGap]| match of_touch {
+            [gap] => Vector3::new(deviations(gap), 0.0, 0.0),
+            gaps => {
+                gaps.iter().map(|gap| gap.normals[0] * deviations(gap)).sum::<Vector3<f64>>() / 3f64.sqrt()
+            }
+        };
+        let is_honest = |gap: &NoisyGap| noise.honest(gap, gap.gap, noise.variance(gap)) > 0.5;
+        let closed: Vec<(&NoisyGap, Vector3<f64>)> = own
+            .chunks(compared.gaps_a_touch())
+            .filter(|of_touch| of_touch.iter().all(is_honest))
+            .map(|of_touch| (&of_touch[0], size(of_touch)))
             .collect();
         for (gap, size) in &closed {
             let apart = |other: &NoisyGap| -> f64 {
@@ -607,7 +673,7 @@ pub fn likeness(touches: &TouchSet, gaps: &[NoisyGap], noise: &Noise) -> f64 {
             let nearest =
                 strangers.map(|(other, size)| (apart(other), size)).min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, other)) = nearest.filter(|(apart, _)| *apart < NEAR * NEAR) {
-                sum += size * other;
+                sum += size.dot(other);
                 count += 1.0;
             }
         }
@@ -644,6 +710,7 @@ mod tests {
             let gap = if honest { own + shifted } else { rng.random_range(0.0..0.4) };
             NoisyGap {
                 gap,
+                told: 0.0,
                 entries: Vec::new(),
                 slope,
                 receptors,

@@ -37,15 +37,6 @@ impl Prior {
         }
     }
 
-    /// The same with all deviations so many times smaller.
-    pub fn sharpened(&self, by: f64) -> Prior {
-        Prior {
-            mean: self.mean.clone(),
-            position_deviations: self.position_deviations.iter().map(|deviation| deviation / by).collect(),
-            axis_deviations: self.axis_deviations.iter().map(|deviation| deviation / by).collect(),
-        }
-    }
-
     /// That a joint is not far from the skin of the limb that it is on: within `spread` times as far from
     /// the middle of that skin as the skin itself is. On limbs without skin, as on the average limb.
     pub fn skin(agent: &Agent, spread: f64) -> Prior {

@@ -21,10 +21,8 @@ const WEIGHINGS: usize = 3;
 /// Fits to exact touches, each as sharp as the gaps that the one before left; and no sharper than rounding, metres.
 const SHARPENINGS: usize = 3;
 const ROUNDING: f64 = 1e-11;
-/// Linearizations of the last fit.
-const LAST_ITERATIONS: usize = 30;
-/// Least relative fall of its cost that counts as progress.
-const LAST_RELATIVE_COST: f64 = 1e-9;
+/// The last fit: so many linearizations, each with so much progress at the least.
+const LAST: Stopping = Stopping { iterations: 30, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::Never };
 
 impl SecondOrder {
     /// Fits all known joints to all touches: the schema, what it rests on, and the deviation of a touch.
@@ -35,25 +33,20 @@ impl SecondOrder {
         let schema = self.with_frozen(&start.schema);
         match self.evidence() {
             Evidence::Points { .. } => {
-                let stopping =
-                    Stopping { iterations: 60, relative_cost: 1e-9, cost: 0.0, deadline: Deadline::Never };
+                let stopping = Stopping { iterations: 60, ..LAST };
                 let fit = |schema: BodySchema, prior: &Prior| {
                     let mut problem =
                         TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
                             .with_prior(prior);
                     levenberg_marquardt(&mut problem, schema, stopping).state
                 };
-                let mut schema = match self.input {
-                    Input::Receptor => fit(schema, &self.known.prior),
-                    Input::Contact => fit(schema, &self.known.given),
+                let prior = match self.input {
+                    Input::Receptor => &self.known.prior,
+                    Input::Contact => &self.known.given,
                 };
-                if self.input == Input::Contact && self.known.is_given() && !self.noise_is_given() {
-                    // What is known weighs as much as it should against touches as noisy as they are, not as they were taken to
-                    // be.
-                    for _ in 0..WEIGHINGS {
-                        let noise = self.excess_noise(&used, &parameters, &schema);
-                        schema = fit(schema, &self.known.given.sharpened(noise));
-                    }
+                let mut schema = fit(schema, prior);
+                if self.shows_noise(&used, &parameters, &schema) {
+                    schema = self.fit_in_noise(&used, &parameters, prior, schema);
                 }
                 let schema = self.settled(schema, &start.placed);
                 let told = match self.frames {
@@ -68,29 +61,15 @@ impl SecondOrder {
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
                 let mut schema = annealed.schema;
-                let stopping = Stopping {
-                    iterations: LAST_ITERATIONS,
-                    relative_cost: LAST_RELATIVE_COST,
-                    cost: 0.0,
-                    deadline: Deadline::Never,
-                };
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
                     let mut problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
                         .with_prior(&self.known.prior);
-                    schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+                    schema = levenberg_marquardt(&mut problem, schema, LAST).state;
                     schema = self.sharpened(skin, &used, &parameters, schema);
                 } else {
-                    let mut noise: Option<Noise> = None;
-                    for _ in 0..WEIGHINGS {
-                        let (found, widening) = self.noise(&used, &parameters, &schema, noise);
-                        let prior = &self.known.prior;
-                        let mut problem =
-                            NoisyProblem::new(&self.agent, &used, &parameters, prior, (found, &widening));
-                        schema = levenberg_marquardt(&mut problem, schema, stopping).state;
-                        noise = Some(found);
-                    }
+                    schema = self.fit_in_noise(&used, &parameters, &self.known.prior, schema);
                 }
                 let (account, deviation) = self.account_of(&used, &schema);
                 (schema, account, deviation)
@@ -113,24 +92,32 @@ impl SecondOrder {
         schema
     }
 
-    /// Whether any touch says how exact its points are.
-    fn noise_is_given(&self) -> bool {
-        self.touches
-            .iter()
-            .flat_map(|touch| &touch.ends)
-            .filter_map(|end| end.point)
-            .any(|point| point.deviation.is_some())
+    /// Fits touches weighed by the noise that they show.
+    fn fit_in_noise(
+        &self,
+        used: &TouchSet,
+        parameters: &Parameters,
+        prior: &Prior,
+        mut schema: BodySchema,
+    ) -> BodySchema {
+        let mut noise: Option<Noise> = None;
+        for _ in 0..WEIGHINGS {
+            let (found, widening) = self.noise(used, parameters, &schema, noise);
+            let mut problem = NoisyProblem::new(self.compared(), used, parameters, prior, (found, &widening));
+            schema = levenberg_marquardt(&mut problem, schema, LAST).state;
+            noise = Some(found);
+        }
+        schema
     }
 
-    /// How many times more noise points have than they are taken to have: by what is left of each of their equations that
-    /// parameters do not take up.
-    fn excess_noise(&self, used: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> f64 {
+    /// Whether points are farther apart than they were taken to be, as far as parameters do not take that up: that much is noise.
+    pub(super) fn shows_noise(&self, used: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> bool {
         let misfit: f64 = used
             .touches()
             .map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
             .sum();
         let spare = 3.0 * used.len() as f64 - parameters.len() as f64;
-        (misfit / spare.max(1.0)).sqrt()
+        self.input == Input::Contact && self.frames == LimbFrames::Joint && misfit > spare.max(1.0)
     }
 
     /// The fit to touches that show no noise, as far as they go: where surfaces are round and bodies move in a plane, gaps hardly
@@ -143,7 +130,7 @@ impl SecondOrder {
         mut schema: BodySchema,
     ) -> BodySchema {
         // What is well known is at its place in a step or two, what is not in many, and each closes gaps fourfold.
-        let stopping = Stopping { iterations: LAST_ITERATIONS, relative_cost: 1e-2, ..Stopping::default() };
+        let stopping = Stopping { relative_cost: 1e-2, ..LAST };
         let mut left = typical_gap(&gaps(skin, touches, &schema));
         for _ in 0..SHARPENINGS {
             if left >= NARROWEST || left <= ROUNDING {

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, Vector3};
 
 use super::searching::StartSearch;
-use super::{FEW, MOST_NOISE, OPEN, SecondOrder, taken_deviation};
+use super::{FEW, MOST_NOISE, OPEN, SecondOrder};
+use crate::learning::Input;
 use crate::learning::annealing::{NARROWEST, gaps, quantile, typical_gap};
 use crate::learning::growing::{Evidence, Start};
-use crate::learning::noise::{Noise, gaps_of, information, likeness};
+use crate::learning::noise::{Compared, Noise, gaps_of, information, likeness};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps};
 use crate::learning::prediction::{covariance, information_inverse};
@@ -18,9 +19,6 @@ use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
-/// How many times wider than the touches that a schema was fitted to it may leave fresh ones, beyond what it
-/// takes up by its parameters.
-const FRESH_NOISE: f64 = 1.5;
 /// The share that noise may be of how far touches lie about their middle on the limbs: of more, a body whose limbs are all in
 /// one place would explain them as well.
 const MOST_OF_EXTENT: f64 = 0.5;
@@ -62,41 +60,34 @@ impl SecondOrder {
         if used.is_empty() {
             return (f64::INFINITY, f64::INFINITY);
         }
-        match search.evidence {
-            Evidence::Points { acceptance, .. } => {
-                // Touches of a limb that hardly any other tells of are not foretold.
-                let of_limbs = fitted.count_of_limbs(self.agent.creature());
-                let foretold =
-                    used.filter(|pair| pair.limbs.iter().all(|&limb| of_limbs[limb] >= FORETOLD_BY));
-                if foretold.is_empty() {
-                    return (f64::INFINITY, f64::INFINITY);
-                }
-                let fresh = point_misfit(&foretold, &start.schema);
-                let miss = |touch: &PreparedTouch| touch.miss(&start.schema).norm();
-                let shrunk = shrunk(&foretold, miss, POINTS_APART, POINT);
-                // Points without noise are their own proof; others are not.
-                if !search.noisy {
-                    return ((fresh / acceptance).max(shrunk), 0.0);
-                }
-                let known = fitted.filter(|pair| start.covers(pair));
-                let noise = point_misfit(&known, &start.schema);
-                // What few touches leave open is no noise.
-                if usual_point_misfit(&known, &start.schema) < EXACTLY {
-                    return ((fresh / acceptance).max(shrunk), 0.0);
-                }
-                let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
-                let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, free).len() as f64;
-                // Of `n` equations with `p` unknowns the mean square is `1 − p/n` of the noise's, of fresh ones
-                // about `1 + p/n`.
-                let share = (unknowns / (3 * known.len()).max(1) as f64).min(0.9);
-                let expected = noise * ((1.0 + share) / (1.0 - share)).sqrt();
-                // Limbs that are all in one place explain touches as well as this.
-                let vague = noise * taken_deviation(&known) / (MOST_OF_EXTENT * extent(&known));
-                let misfit =
-                    (fresh / acceptance).max(fresh / (FRESH_NOISE * expected)).max(vague).max(shrunk);
-                (misfit, noise)
+        let known = fitted.filter(|pair| start.covers(pair));
+        let Evidence::Points { acceptance, .. } = search.evidence else {
+            return self.judge_gaps(&known, &used, start);
+        };
+        // What few touches leave open is no noise.
+        if search.noisy && usual_point_misfit(&known, &start.schema) >= EXACTLY {
+            return self.judge_gaps(&known, &used, start);
+        }
+        // Points without noise are their own proof. Touches of a limb that hardly any other tells of are not foretold.
+        let of_limbs = fitted.count_of_limbs(self.agent.creature());
+        let foretold = used.filter(|pair| pair.limbs.iter().all(|&limb| of_limbs[limb] >= FORETOLD_BY));
+        if foretold.is_empty() {
+            return (f64::INFINITY, f64::INFINITY);
+        }
+        let shrunk = self.shrunk(&foretold, &start.schema);
+        ((point_misfit(&foretold, &start.schema) / acceptance).max(shrunk), 0.0)
+    }
+
+    /// How nearly a schema explains touches in any postures as well, see [`shrunk`].
+    fn shrunk(&self, touches: &TouchSet, schema: &BodySchema) -> f64 {
+        match self.compared().1 {
+            Compared::Points => shrunk(touches, |touch| touch.miss(schema).norm(), POINTS_APART, POINT),
+            Compared::Surfaces => {
+                let model = SurfaceGap::new(self.agent.skin(), 1.0);
+                let gap =
+                    |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
+                shrunk(touches, gap, GAPS_APART, NARROWEST)
             }
-            Evidence::Surfaces(_) => self.judge_gaps(&fitted.filter(|pair| start.covers(pair)), &used, start),
         }
     }
 
@@ -105,16 +96,21 @@ impl SecondOrder {
     fn judge_gaps(&self, fitted: &TouchSet, fresh: &TouchSet, start: &Start) -> (f64, f64) {
         let free = |joint: usize| start.known[joint] && !self.known.frozen[joint];
         let parameters = Parameters::new(self.agent.creature(), AxisModel::Unit, free);
-        let deviation = shown_deviation(self.agent.skin(), fitted, &parameters, &start.schema);
         let schema = &start.schema;
+        let (of, compared) = (self.compared(), self.compared().1);
+        let is_by_points = compared == Compared::Points;
+        let deviation = match is_by_points {
+            true => f64::INFINITY,
+            false => shown_deviation(self.agent.skin(), fitted, &parameters, schema),
+        };
         let mut noise = Noise::of_gaps(deviation);
         let (mut alike, mut spread) = (0.0, deviation);
         let covariance = if deviation > CERTAIN_NOISE {
-            let gaps = gaps_of(&self.agent, fitted, &parameters, schema, &[]);
+            let gaps = gaps_of(of, fitted, &parameters, schema, &[]);
             let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
             self.known.prior.add_information(&parameters, &mut prior);
             noise = Noise::estimate(&gaps, &parameters, &prior, None, false);
-            alike = likeness(fitted, &gaps, &noise);
+            alike = likeness(compared, fitted, &gaps, &noise);
             spread = noise.deviation(&gaps);
             information(&gaps, &parameters, &noise)
                 .and_then(|information| information_inverse(information + prior, &parameters))
@@ -126,9 +122,9 @@ impl SecondOrder {
         let mut found = GapTally::new(self.agent.creature().joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
-        let mut gaps = gaps_of(&self.agent, fresh, &parameters, schema, &[]).into_iter();
+        let mut gaps = gaps_of(of, fresh, &parameters, schema, &[]).into_iter();
         for pair in &fresh.pairs {
-            for gap in gaps.by_ref().take(pair.touches.len()) {
+            for gap in gaps.by_ref().take(compared.gaps_a_touch() * pair.touches.len()) {
                 let predicted = gap.predicted(&covariance);
                 let variance = noise.variance(&gap) + predicted + CLOSE_ENOUGH * CLOSE_ENOUGH;
                 let deviations = gap.gap.abs() / variance.sqrt();
@@ -138,7 +134,7 @@ impl SecondOrder {
             }
         }
         // Who predicts nothing is never wrong: that proves nothing.
-        if tested < FEW || 2 * tested < fresh.len() {
+        if tested < FEW || 2 * tested < normalized.len() {
             return (f64::INFINITY, deviation);
         }
         normalized.sort_by(f64::total_cmp);
@@ -149,12 +145,16 @@ impl SecondOrder {
         let [open, all] = found.all;
         let closed = 0.8 * (1.0 - open / all);
         let misfit = (quantile(&normalized, closed) / FRESH_GAP).max(worst);
-        let tolerable = OpenGaps::new(&self.agent, fitted, schema).worst;
         let most = (open - 1.0) / (MOST_FALSE * all);
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        let gap = |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
-        let shrunk = shrunk(fitted, gap, GAPS_APART, NARROWEST);
-        let refusals = [misfit, most, alike / ALIKE, tolerable, deviation / MOST_NOISE, shrunk];
+        let (tolerable, vague) = match is_by_points {
+            // Limbs that are all in one place explain points as well as noise does.
+            true => (0.0, deviation / (MOST_OF_EXTENT * extent(fitted))),
+            false => (OpenGaps::new(&self.agent, fitted, schema).worst, 0.0),
+        };
+        // The middle of a patch is no point of the limb, and off it by the same wherever it is touched.
+        let alike = if is_by_points && self.input == Input::Receptor { 0.0 } else { alike };
+        let shrunk = self.shrunk(fitted, schema);
+        let refusals = [misfit, most, alike / ALIKE, tolerable, vague, deviation / MOST_NOISE, shrunk];
         (refusals.into_iter().fold(0.0, f64::max), deviation)
     }
 }

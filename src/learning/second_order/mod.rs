@@ -100,9 +100,9 @@ impl SecondOrder {
 
     fn evidence(&self) -> Evidence<'_> {
         match (self.input, self.knowledge) {
-            (Input::Contact, _) => Evidence::Points { acceptance: EXACT, patches: false },
+            (Input::Contact, _) => Evidence::Points { acceptance: EXACT, misread: 0.0, patches: false },
             (Input::Receptor, SkinKnowledge::Centres) => {
-                Evidence::Points { acceptance: BIASED, patches: true }
+                Evidence::Points { acceptance: BIASED, misread: 0.0, patches: true }
             }
             (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.agent.skin()),
         }

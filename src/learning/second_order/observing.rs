@@ -6,11 +6,12 @@ use nalgebra::DMatrix;
 
 use super::judging::shown_deviation;
 use super::{CONTACT_DEVIATION, FEW, OPEN, SecondOrder, taken_deviation};
+use crate::agent::Agent;
 use crate::learning::annealing::{NARROWEST, gaps, typical_gap};
 use crate::learning::curvature::distances_by_curvature;
 use crate::learning::growing::Evidence;
 use crate::learning::least_squares::LeastSquares;
-use crate::learning::noise::{Noise, NoisyGap, gaps_of, information, widening};
+use crate::learning::noise::{Compared, Noise, NoisyGap, gaps_of, information, widening};
 use crate::learning::observability::Observability;
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::witnesses;
@@ -86,7 +87,7 @@ impl SecondOrder {
         let deviation = self.gap_deviation(skin, used, &parameters, schema);
         let used = if deviation > CERTAIN_NOISE {
             let (noise, _) = self.noise(used, &parameters, schema, None);
-            let gaps = gaps_of(&self.agent, used, &parameters, schema, &[]);
+            let gaps = gaps_of(self.compared(), used, &parameters, schema, &[]);
             witnesses(&self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
         } else {
             witnesses(&self.agent, used, schema, |_| deviation, true)
@@ -106,11 +107,12 @@ impl SecondOrder {
         let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
         self.known.prior.add_information(parameters, &mut prior);
         let estimate = |widening: &[f64], before| {
-            let gaps = gaps_of(&self.agent, touches, parameters, schema, widening);
-            Noise::estimate(&gaps, parameters, &prior, before, true)
+            let gaps = gaps_of(self.compared(), touches, parameters, schema, widening);
+            // Points of contact are wherever they are, by no fault of a receptor.
+            Noise::estimate(&gaps, parameters, &prior, before, self.compared().1 == Compared::Surfaces)
         };
         let noise = before.unwrap_or_else(|| estimate(&[], None));
-        let widening = widening(&self.agent, touches, schema, noise.joint);
+        let widening = self.widening(touches, schema, &noise);
         (estimate(&widening, Some(noise)), widening)
     }
 
@@ -128,6 +130,12 @@ impl SecondOrder {
         let mut spread = 0.0;
         let mut touches = used.clone();
         let (found, deviation, at_floor) = match self.evidence() {
+            Evidence::Points { .. } if self.shows_noise(used, &parameters, schema) => {
+                let noise = self.noise(used, &parameters, schema, None).0;
+                let (found, deviation) = self.observed_in(noise, &mut touches, used, &parameters, schema);
+                spread = deviation;
+                (found, deviation, false)
+            }
             Evidence::Points { patches, .. } => {
                 let linearize = |touches: &TouchSet| {
                     TouchProblem::new(self.agent.creature(), touches, &parameters, PointsMeet::Shaped)
@@ -153,36 +161,29 @@ impl SecondOrder {
                 (found, spread, misses <= 1.0)
             }
             Evidence::Surfaces(skin) => {
-                let mut deviation = self.gap_deviation(skin, used, &parameters, schema);
-                let mut noise = Noise::of_gaps(deviation);
-                let noisy = deviation > CERTAIN_NOISE;
-                if noisy {
-                    noise = self.noise(used, &parameters, schema, None).0;
-                    deviation = noise.deviation(&gaps_of(&self.agent, used, &parameters, schema, &[]));
+                let deviation = self.gap_deviation(skin, used, &parameters, schema);
+                if deviation > CERTAIN_NOISE {
+                    let noise = self.noise(used, &parameters, schema, None).0;
+                    let (found, deviation) = self.observed_in(noise, &mut touches, used, &parameters, schema);
                     spread = deviation;
-                }
-                noise.contact = noise.contact.max(SHARPEST);
-                let found = loop {
-                    let widening =
-                        if noisy { widening(&self.agent, &touches, schema, noise.joint) } else { Vec::new() };
-                    let gaps = gaps_of(&self.agent, &touches, &parameters, schema, &widening);
-                    let hessian = if noisy {
-                        information(&gaps, &parameters, &noise)
-                            .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
-                    } else {
+                    (found, deviation, false)
+                } else {
+                    let noise = Noise::of_gaps(deviation.max(SHARPEST));
+                    let found = loop {
+                        let gaps = gaps_of(self.compared(), &touches, &parameters, schema, &[]);
                         let model = SurfaceGap::new(skin, noise.contact).without_places();
                         let mut problem =
                             TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
-                        problem.linearize(schema).hessian / MEAN_WEIGHT
+                        let hessian = problem.linearize(schema).hessian / MEAN_WEIGHT;
+                        let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
+                        // Without some of the touches others may be the only ones that are left.
+                        match checked(&touches, &gaps, &found, &noise) {
+                            Some(few) => touches = few,
+                            None => break found,
+                        }
                     };
-                    let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
-                    // Without some of the touches others may be the only ones that are left.
-                    match checked(&touches, &gaps, &found, &noise) {
-                        Some(few) => touches = few,
-                        None => break found,
-                    }
-                };
-                (found, deviation, deviation <= NARROWEST)
+                    (found, deviation, deviation <= NARROWEST)
+                }
             }
         };
         let witnesses = Witnesses {
@@ -192,6 +193,47 @@ impl SecondOrder {
             at_floor,
         };
         Seen { observability: found.with_placed(placed), witnesses, checked: touches, deviation }
+    }
+
+    /// What touches determine in some noise, and the deviation of a gap of `used`, metres; `touches` are left that others check.
+    fn observed_in(
+        &self,
+        mut noise: Noise,
+        touches: &mut TouchSet,
+        used: &TouchSet,
+        parameters: &Parameters,
+        schema: &BodySchema,
+    ) -> (Observability, f64) {
+        let deviation = noise.deviation(&gaps_of(self.compared(), used, parameters, schema, &[]));
+        noise.contact = noise.contact.max(SHARPEST);
+        loop {
+            let widening = self.widening(touches, schema, &noise);
+            let gaps = gaps_of(self.compared(), touches, parameters, schema, &widening);
+            let hessian = information(&gaps, parameters, &noise)
+                .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()));
+            let found = self.observability(parameters, schema, hessian, 5 * touches.len());
+            match checked(touches, &gaps, &found, &noise) {
+                Some(few) => *touches = few,
+                None => return (found, deviation),
+            }
+        }
+    }
+
+    /// What is compared of touches.
+    pub(super) fn compared(&self) -> (&Agent, Compared) {
+        let compared = match self.evidence() {
+            Evidence::Points { .. } => Compared::Points,
+            Evidence::Surfaces(_) => Compared::Surfaces,
+        };
+        (&self.agent, compared)
+    }
+
+    /// How much wider some noise makes each gap, metres: points it moves to all sides alike.
+    fn widening(&self, touches: &TouchSet, schema: &BodySchema, noise: &Noise) -> Vec<f64> {
+        match self.compared().1 {
+            Compared::Points => Vec::new(),
+            Compared::Surfaces => widening(&self.agent, touches, schema, noise.joint),
+        }
     }
 
     /// The same as [`checked`] of points, of which each gives three equations: those are left whose every equation others
@@ -296,17 +338,18 @@ fn shared_by_receptors(touches: &TouchSet) -> TouchSet {
 /// What rests on such touches is not known, however small it leaves the gaps (Baarda's reliability, "A Testing
 /// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine in some noise; `gaps` are theirs.
 fn checked(touches: &TouchSet, gaps: &[NoisyGap], found: &Observability, noise: &Noise) -> Option<TouchSet> {
-    let mut gaps = gaps.iter();
+    let mut gaps = gaps.chunks((gaps.len() / touches.len().max(1)).max(1));
     let mut few = touches.clone();
     for pair in &mut few.pairs {
         pair.touches.retain(|_| {
-            let gap = gaps.next().expect("every touch has a gap");
-            let variance = noise.variance(gap);
-            let weight = 1.0 / (1.0 + gap.gap * gap.gap / (TAIL * TAIL * variance));
-            // The weights that the information was divided by are 1 for a gap that is closed.
-            let leverage = weight * gap.predicted(&found.covariance) / (MEAN_WEIGHT * variance);
-            // A gap that is open speaks against the schema, and for nothing.
-            leverage < UNCHECKED && gap.gap * gap.gap <= OPEN * OPEN * variance
+            gaps.next().expect("every touch has its gaps").iter().all(|gap| {
+                let variance = noise.variance(gap);
+                let weight = 1.0 / (1.0 + gap.gap * gap.gap / (TAIL * TAIL * variance));
+                // The weights that the information was divided by are 1 for a gap that is closed.
+                let leverage = weight * gap.predicted(&found.covariance) / (MEAN_WEIGHT * variance);
+                // A gap that is open speaks against the schema, and for nothing.
+                leverage < UNCHECKED && gap.gap * gap.gap <= OPEN * OPEN * variance
+            })
         });
     }
     few.pairs.retain(|pair| !pair.touches.is_empty());

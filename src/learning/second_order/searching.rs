@@ -30,8 +30,6 @@ const BLIND_LIMB_STARTS: usize = 3;
 /// Where gaps show noise, only trying can tell whether less of it was to be had: two starts must agree on the
 /// least noise to this share of it.
 const AGREEMENT: f64 = 0.03;
-/// The same for places that are taken for one point: there is but one least sum of squares.
-const POINT_AGREEMENT: f64 = 1e-3;
 /// So many starts that agree on what the touches do not bear out are not bettered by more, …
 const HOPELESS_STARTS: usize = 3;
 /// … but tangles are many, and alike in how wide their gaps are, metres.
@@ -41,10 +39,8 @@ const TOUCHES_PER_PAIR: usize = 150;
 /// Whitened residuals above which points are taken to have noise, and a second start must agree.
 const VISIBLE_NOISE: f64 = 0.1;
 /// How many times wider than in the part that is solved first the misses may be elsewhere: a part is solved on
-/// others that are held where noise left them, …
+/// others that are held where noise left them.
 const NOISE_MARGIN: f64 = 3.0;
-/// … and how many times that where no start is accepted; joints that are misread add up in long chains.
-const WIDER: [f64; 2] = [1.0, 3.0];
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
 /// Starts tried with points that have noise before more of it is allowed for.
@@ -163,17 +159,18 @@ impl SecondOrder {
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(NOISE_STREAM);
-        let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng).unwrap_or(0.0);
+        let [noise, misread] = self.nursery(evidence, touches, 0).point_noise(&mut rng).unwrap_or([0.0; 2]);
         let most = MOST_NOISE / taken_deviation(touches);
         if noise <= VISIBLE_NOISE || noise > most {
             return vec![StartSearch { evidence, noisy: false, starts }];
         }
-        let acceptances = WIDER.map(|wider| (wider * NOISE_MARGIN * noise).clamp(EXACT, most.max(EXACT)));
-        let search = |acceptance| {
-            let evidence = Evidence::Points { acceptance, patches: false };
+        // Noise of the points is the same in every part; that of misread joints is the wider the farther off and the more they are.
+        let kinds = [((NOISE_MARGIN * noise).clamp(EXACT, most), 0.0), (EXACT, NOISE_MARGIN * misread)];
+        let search = |(acceptance, misread)| {
+            let evidence = Evidence::Points { acceptance, misread, patches: false };
             StartSearch { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
         };
-        acceptances.into_iter().map(search).collect()
+        kinds.into_iter().map(search).collect()
     }
 
     /// Makes the starts of a search, as many as it takes.
@@ -200,7 +197,8 @@ impl SecondOrder {
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
             };
             let (judged, noise) = self.judge(search, touches, fresh, &start);
-            start.accepted &= judged <= 1.0;
+            // How wide noise leaves a part is for all touches to say.
+            start.accepted = judged <= 1.0 && (start.accepted || search.noisy);
             Judged { start, judged, noise }
         };
         // All cores make starts; which one is taken does not depend on how many there are.
@@ -208,7 +206,6 @@ impl SecondOrder {
         let (mut initial_guesses, mut settled) = (0, false);
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
-        let metres = if points { taken_deviation(touches) } else { 1.0 };
         // Starts of a large body are long, and try several initial guesses for each part.
         let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
             search.starts.min(LARGE_STARTS)
@@ -232,7 +229,7 @@ impl SecondOrder {
                 }
                 let best = best.as_ref().expect("one was made");
                 let agreeing =
-                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
+                    noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
                 let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
                 if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
                     break 'waves;
@@ -244,9 +241,8 @@ impl SecondOrder {
                 // With points it is the least noise that starts have to agree on, whoever is best by other measures.
                 let least =
                     if points { noises.iter().copied().fold(f64::INFINITY, f64::min) } else { best.noise };
-                let agreeing =
-                    noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * least).count();
-                let plausible = CERTAIN_NOISE < least && metres * least < TANGLED;
+                let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * least).count();
+                let plausible = CERTAIN_NOISE < least && least < TANGLED;
                 settled = plausible && agreeing >= HOPELESS_STARTS;
                 if settled {
                     break 'waves;
@@ -255,17 +251,9 @@ impl SecondOrder {
         }
         let mut best = best.expect("at least one start is made");
         // Noise that no second start finds may be a wrong minimum as well.
-        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + self.agreement()) * best.noise).count();
+        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
         SearchResult { best, initial_guesses, settled }
-    }
-
-    /// The share of the noise within which two starts have come to the same.
-    fn agreement(&self) -> f64 {
-        match self.evidence() {
-            Evidence::Points { .. } => POINT_AGREEMENT,
-            Evidence::Surfaces(_) => AGREEMENT,
-        }
     }
 }
 
