@@ -102,7 +102,7 @@ impl LearnerKind for Again {
 use super::{Act, Answer, RequestKind};
 
 pub(super) const SHRUG: RequestKind =
-    RequestKind::new(["shrug", "shrugged"], Act::Tells(|_, _| Answer::tells("Well"))).told("^ whatever $");
+    RequestKind::new(["shrug", "shrugged"], Act::Tells(|_, _| Answer::tells("Well")), "told: ^ whatever $");
 "#,
         table: ("mod.rs", "requests! {"),
         line: "    /// Nothing.\n    Shrug => shrugging::SHRUG;",

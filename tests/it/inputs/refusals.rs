@@ -82,7 +82,7 @@ fn numbers_of_a_session_that_cannot_be_are_refused() {
         &yard,
         "robot, URDF",
         &|good| good.replacen("0.1 0 0.30", "0.1 0 1e300", 1),
-        "is beyond 1000000, the greatest",
+        "is beyond 1000000, the limit",
     );
 }
 
