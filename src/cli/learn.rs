@@ -80,8 +80,8 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
 pub fn run(args: &LearnArguments) -> Outcome {
     let Learnable { lock, made, session, touches, learning } =
         match (&args.session, &args.creature, &args.log) {
-            (Some(folder), ..) => args.from_session(folder)?,
-            (None, Some(creature), Some(log)) => args.from_recording(creature, log)?,
+            (Some(folder), ..) => args.session(folder)?,
+            (None, Some(creature), Some(log)) => args.recording(creature, log)?,
             // The parser sees to it that there is one or the other.
             _ => return Err("give a session's folder, or --creature and --log".into()),
         };
@@ -129,7 +129,7 @@ struct Learnable {
 
 impl LearnArguments {
     /// What is learned from a session's touches, in its own folder unless there is another.
-    fn from_session(&self, folder: &Path) -> Result<Learnable, Failure> {
+    fn session(&self, folder: &Path) -> Result<Learnable, Failure> {
         let own = self.out.is_none().then(|| written_session(folder)).transpose()?;
         let reading = ReadLock::take(folder)?;
         let mut session = Session::read(folder)?;
@@ -148,7 +148,7 @@ impl LearnArguments {
     }
 
     /// What is learned from a recording, of which a session is made.
-    fn from_recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
+    fn recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
         let (asked, command) = (self.learning.bare(None), output::command_line());
         let of = (creature, log);
         let mut recorded =

@@ -228,7 +228,7 @@ fn several_things_are_added_to_a_body_that_holds_nothing() {
     let place = Place::new();
     place.write(
         "odd.xml",
-        &ODD.replace("<joint name=\"finger\"/>", "<joint name=\"finger\"/><body name=\"nail\"/>"),
+        ODD.replace("<joint name=\"finger\"/>", "<joint name=\"finger\"/><body name=\"nail\"/>"),
     );
     let path = place.path("odd.xml");
     let mut file = read_robot(&path).unwrap();
