@@ -134,7 +134,7 @@ impl Embodied {
     }
 
     /// The creature in its model.
-    pub(crate) fn body(&self) -> &Body {
+    pub fn body(&self) -> &Body {
         &self.body
     }
 
