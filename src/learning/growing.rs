@@ -594,16 +594,11 @@ impl Nursery<'_> {
 
 /// How fast the points of touches part as a joint is misread: root mean square of the whitened residuals, 1 a radian.
 fn lever(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let mut derivatives = Vec::new();
-    let mut square = |touch: &PreparedTouch| -> f64 {
-        derivatives.clear();
-        for (side, end) in touch.sides.iter().zip(&touch.ends) {
-            side.angle_derivatives(schema, &end.position, &mut derivatives);
-        }
+    let square = |touch: &PreparedTouch| {
         let variance = touch.ends.iter().map(|end| end.covariance.trace()).sum::<f64>();
-        derivatives.iter().map(|(_, derivative)| derivative.norm_squared()).sum::<f64>() / variance
+        touch.spread_by_angles(schema).trace() / variance
     };
-    (touches.touches().map(&mut square).sum::<f64>() / touches.len().max(1) as f64).sqrt()
+    (touches.touches().map(square).sum::<f64>() / touches.len().max(1) as f64).sqrt()
 }
 
 /// The touches of the pairs that a part closes: they need it, and nothing else that is unknown.

@@ -1,8 +1,8 @@
 //! The noise of touches as it is: how much of it there is of each kind, estimated from the gaps that a schema leaves.
 //!
-//! A gap between two surfaces that touched, or between two points that were one, is not zero where joints are misread, anew in every touch; where a receptor
-//! and the skin under it are not where the agent believes them, the same in all touches of that receptor; and where a
-//! touch is false and says nothing at all. With the gap's derivatives by the parameters (`j`), by the joint angles
+//! A gap between two surfaces that touched, or between two points that were one, is not zero where joints are misread, anew
+//! in every touch; where a receptor and the skin under it are not where the agent believes them, the same in all touches of
+//! that receptor; and where a touch is false and says nothing at all. With the gap's derivatives by the parameters (`j`), by the joint angles
 //! (`∂g/∂q`) and by shifts of the skin under its two receptors (`n`), to first order
 //!
 //! ```text
@@ -21,9 +21,11 @@ use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Rotation3, Vector3};
 
 use crate::agent::Agent;
 use crate::deadline::count_work;
+use crate::kinematics::ChainSide;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
 use crate::learning::least_squares::{LeastSquares, Linearization};
+use crate::learning::observation::Observation;
 use crate::learning::prediction::{GapRow, add_row, information_inverse, row_variance};
 use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
@@ -186,16 +188,13 @@ pub fn gaps_of(
 /// Axes in the common ancestor's frame along which misread joints move the two points of a touch independently of one another, and
 /// the variance that the points were told to have along each, m².
 fn axes_of_misses(schema: &BodySchema, touch: &PreparedTouch) -> (Matrix3<f64>, [f64; 3]) {
-    let (mut told, mut misread) = (Matrix3::zeros(), Matrix3::zeros());
-    let mut derivatives = Vec::new();
-    for (side, end) in touch.sides.iter().zip(&touch.ends) {
+    let in_common = |(side, end): (&ChainSide, &Observation)| {
         let rotation = side.frame(schema).rotation;
-        told += rotation * end.covariance * rotation.transpose();
-        derivatives.clear();
-        side.angle_derivatives(schema, &end.position, &mut derivatives);
-        misread += derivatives.iter().map(|(_, d)| d * d.transpose()).sum::<Matrix3<f64>>();
-    }
-    let axes = (told + misread * MISREAD.powi(2)).symmetric_eigen().eigenvectors;
+        rotation * end.covariance * rotation.transpose()
+    };
+    let told: Matrix3<f64> = touch.sides.iter().zip(&touch.ends).map(in_common).sum();
+    let misread = touch.spread_by_angles(schema) * MISREAD.powi(2);
+    let axes = (told + misread).symmetric_eigen().eigenvectors;
     (axes, [0, 1, 2].map(|k| axes.column(k).dot(&(told * axes.column(k)))))
 }
 

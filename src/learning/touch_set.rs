@@ -333,6 +333,16 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
 }
 
 impl PreparedTouch {
+    /// How joints that are misread spread its two points: the sum of `∂p_C/∂q (∂p_C/∂q)ᵀ` over the hinges between them, in the
+    /// common ancestor's frame, m² a square radian.
+    pub fn spread_by_angles(&self, schema: &BodySchema) -> Matrix3<f64> {
+        let mut derivatives = Vec::new();
+        for (side, end) in self.sides.iter().zip(&self.ends) {
+            side.angle_derivatives(schema, &end.position, &mut derivatives);
+        }
+        derivatives.iter().map(|(_, derivative)| derivative * derivative.transpose()).sum()
+    }
+
     /// `X_CA` and `X_CB`.
     pub fn frames(&self, schema: &BodySchema) -> [Frame; 2] {
         [self.sides[0].frame(schema), self.sides[1].frame(schema)]

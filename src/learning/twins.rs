@@ -103,6 +103,7 @@ fn twin(
     };
     // Both answers take up what noise these few have.
     let own = closest(schema.clone());
+    let own_misfit = misfit(&few, &own).max(AS_EXACTLY);
     let turned = |turned: &dyn Fn(usize) -> bool| {
         let mut other = schema.clone();
         let of_it = axes.iter().enumerate().filter(|(number, _)| turned(*number));
@@ -138,8 +139,7 @@ fn twin(
         let turned: Vec<usize> = untold.iter().copied().filter(is_turned).collect();
         // Of points with noise alike, of which nobody knows how much it is.
         let rows = (3 * few.len()) as f64;
-        let likelier =
-            rows * (misfit(&few, &other).max(AS_EXACTLY) / misfit(&few, &own).max(AS_EXACTLY)).powi(2).ln();
+        let likelier = rows * (misfit(&few, &other).max(AS_EXACTLY) / own_misfit).powi(2).ln();
         (!turned.is_empty() && likelier <= AS_WELL).then_some(turned)
     })
 }

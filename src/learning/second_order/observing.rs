@@ -129,14 +129,13 @@ impl SecondOrder {
         let (parameters, placed) = self.touched(used);
         let mut spread = 0.0;
         let mut touches = used.clone();
-        let (found, deviation, at_floor) = match self.evidence() {
-            Evidence::Points { .. } if self.shows_noise(used, &parameters, schema) => {
-                let noise = self.noise(used, &parameters, schema, None).0;
-                let (found, deviation) = self.observed_in(noise, &mut touches, used, &parameters, schema);
-                spread = deviation;
-                (found, deviation, false)
-            }
-            Evidence::Points { patches, .. } => {
+        let sharp = match self.evidence() {
+            Evidence::Points { .. } => None,
+            Evidence::Surfaces(skin) => Some(self.gap_deviation(skin, used, &parameters, schema)),
+        };
+        let sharp = sharp.filter(|deviation| *deviation <= CERTAIN_NOISE);
+        let (found, deviation, at_floor) = match (self.evidence(), sharp) {
+            (Evidence::Points { patches, .. }, _) if !self.shows_noise(used, &parameters, schema) => {
                 let linearize = |touches: &TouchSet| {
                     TouchProblem::new(self.agent.creature(), touches, &parameters, PointsMeet::Shaped)
                         .linearize(schema)
@@ -160,30 +159,26 @@ impl SecondOrder {
                 spread = taken_deviation(used) * misses;
                 (found, spread, misses <= 1.0)
             }
-            Evidence::Surfaces(skin) => {
-                let deviation = self.gap_deviation(skin, used, &parameters, schema);
-                if deviation > CERTAIN_NOISE {
-                    let noise = self.noise(used, &parameters, schema, None).0;
-                    let (found, deviation) = self.observed_in(noise, &mut touches, used, &parameters, schema);
-                    spread = deviation;
-                    (found, deviation, false)
-                } else {
-                    let noise = Noise::of_gaps(deviation.max(SHARPEST));
-                    let found = loop {
-                        let gaps = gaps_of(self.compared(), &touches, &parameters, schema, &[]);
-                        let model = SurfaceGap::new(skin, noise.contact).without_places();
-                        let mut problem =
-                            TouchProblem::new(self.agent.creature(), &touches, &parameters, model);
-                        let hessian = problem.linearize(schema).hessian / MEAN_WEIGHT;
-                        let found = self.observability(&parameters, schema, hessian, 5 * touches.len());
-                        // Without some of the touches others may be the only ones that are left.
-                        match checked(&touches, &gaps, &found, &noise) {
-                            Some(few) => touches = few,
-                            None => break found,
-                        }
-                    };
-                    (found, deviation, deviation <= NARROWEST)
-                }
+            (Evidence::Surfaces(skin), Some(deviation)) => {
+                let noise = Noise::of_gaps(deviation.max(SHARPEST));
+                let told = |touches: &TouchSet, _: &[NoisyGap]| {
+                    let model = SurfaceGap::new(skin, noise.contact).without_places();
+                    let mut problem = TouchProblem::new(self.agent.creature(), touches, &parameters, model);
+                    problem.linearize(schema).hessian / MEAN_WEIGHT
+                };
+                let found = self.observed_in(&noise, &mut touches, &parameters, schema, told);
+                (found, deviation, deviation <= NARROWEST)
+            }
+            _ => {
+                let mut noise = self.noise(used, &parameters, schema, None).0;
+                spread = noise.deviation(&gaps_of(self.compared(), used, &parameters, schema, &[]));
+                noise.contact = noise.contact.max(SHARPEST);
+                let told = |_: &TouchSet, gaps: &[NoisyGap]| {
+                    information(gaps, &parameters, &noise)
+                        .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
+                };
+                let found = self.observed_in(&noise, &mut touches, &parameters, schema, told);
+                (found, spread, false)
             }
         };
         let witnesses = Witnesses {
@@ -195,26 +190,24 @@ impl SecondOrder {
         Seen { observability: found.with_placed(placed), witnesses, checked: touches, deviation }
     }
 
-    /// What touches determine in some noise, and the deviation of a gap of `used`, metres; `touches` are left that others check.
+    /// What touches determine in some noise, by the information that they and their gaps hold; `touches` are left that others
+    /// check.
     fn observed_in(
         &self,
-        mut noise: Noise,
+        noise: &Noise,
         touches: &mut TouchSet,
-        used: &TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
-    ) -> (Observability, f64) {
-        let deviation = noise.deviation(&gaps_of(self.compared(), used, parameters, schema, &[]));
-        noise.contact = noise.contact.max(SHARPEST);
+        told: impl Fn(&TouchSet, &[NoisyGap]) -> DMatrix<f64>,
+    ) -> Observability {
         loop {
-            let widening = self.widening(touches, schema, &noise);
+            let widening = self.widening(touches, schema, noise);
             let gaps = gaps_of(self.compared(), touches, parameters, schema, &widening);
-            let hessian = information(&gaps, parameters, &noise)
-                .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()));
-            let found = self.observability(parameters, schema, hessian, 5 * touches.len());
-            match checked(touches, &gaps, &found, &noise) {
+            let found = self.observability(parameters, schema, told(touches, &gaps), 5 * touches.len());
+            // Without some of the touches others may be the only ones that are left.
+            match checked(touches, &gaps, &found, noise) {
                 Some(few) => *touches = few,
-                None => return (found, deviation),
+                None => return found,
             }
         }
     }
@@ -228,11 +221,11 @@ impl SecondOrder {
         (&self.agent, compared)
     }
 
-    /// How much wider some noise makes each gap, metres: points it moves to all sides alike.
+    /// How much wider misread joints make each gap, metres: points they move to all sides alike.
     fn widening(&self, touches: &TouchSet, schema: &BodySchema, noise: &Noise) -> Vec<f64> {
         match self.compared().1 {
-            Compared::Points => Vec::new(),
-            Compared::Surfaces => widening(&self.agent, touches, schema, noise.joint),
+            Compared::Surfaces if noise.joint > 0.0 => widening(&self.agent, touches, schema, noise.joint),
+            _ => Vec::new(),
         }
     }
 

@@ -43,7 +43,7 @@ const VISIBLE_NOISE: f64 = 0.1;
 const NOISE_MARGIN: f64 = 3.0;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
-/// Starts tried with points that have noise before more of it is allowed for.
+/// Starts tried with points that have one kind of noise before another is tried.
 const NOISY_STARTS: usize = 8;
 /// How far apart receptors of a limb are whose touches bear one another out, metres: two patches …
 const SAME_PLACE: f64 = 0.05;

@@ -161,8 +161,12 @@ struct OwnReceptors<'a> {
 
 impl<'a> OwnReceptors<'a> {
     fn new(body: &'a Body, skin: &'a Skin) -> OwnReceptors<'a> {
-        let on = |geom: usize| (0..skin.receptors.len()).filter(|&r| skin.is_on(r, geom)).collect();
-        let of_geom = (0..body.model.ngeom()).map(on).collect();
+        let mut of_geom = vec![Vec::new(); body.model.ngeom()];
+        for (r, receptor) in skin.receptors.iter().enumerate() {
+            if let Some(surface) = receptor.surface {
+                of_geom[skin.surfaces[surface].geom].push(r);
+            }
+        }
         OwnReceptors { body, skin, of_geom }
     }
 
