@@ -6,7 +6,6 @@
 //! files. Numbers are written in the shortest form that reads back to the same bits.
 
 mod account;
-pub(crate) mod angles;
 mod babbling;
 mod bout_log;
 mod disturbance_levels;
@@ -22,6 +21,7 @@ mod learning_account;
 mod learning_options;
 mod learning_record;
 mod learning_table;
+mod log;
 mod map_file;
 mod mistaken;
 mod model_hash;
@@ -42,15 +42,12 @@ mod space_record;
 mod space_slices;
 mod stamp;
 mod stroked;
-pub(crate) mod table;
-pub(crate) mod touch_columns;
 mod touch_line;
 mod touch_reader;
 mod touch_writer;
 pub(crate) mod words;
 
 pub use account::RecordedAccount;
-pub(crate) use angles::wide_ranges;
 pub(crate) use babbling::ResumedSession;
 pub use babbling::{BabbledSession, BabblingSession, Provenance, SessionSetup};
 pub use bout_log::{BoutLine, BoutLog, read_bouts};
@@ -65,6 +62,7 @@ pub use learned_session::{LearnedSession, learn_session};
 pub use learning_options::{KnownFile, LearningOptions};
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRow, read_learning_table, write_learning_table};
+pub(crate) use log::wide_ranges;
 pub use map_file::{read_map, write_map};
 #[cfg_attr(not(feature = "cli"), allow(unused_imports))]
 pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};

@@ -1,12 +1,12 @@
 //! Self-touch recordings of a body that no simulator knows: a creature by hand, a log of touches from anywhere.
 //!
-//! A creature comes from a JSON file ([`read_creature`]), the log from a [table](super::table) ([`read_recording`]). What a touch
+//! A creature comes from a JSON file ([`read_creature`]), the log from a [table](super::log::table) ([`read_recording`]). What a touch
 //! needs is where the joints were, which two limbs met, and either the point of contact in both limbs' frames or the receptors
 //! that felt it. Limbs without a skin get [bare receptors](bare_receptors), so that such a recording is a session as any other.
 
 mod creature_file;
-mod posture;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use csv::StringRecord;
@@ -15,20 +15,31 @@ use nalgebra::Vector3;
 pub use creature_file::{CreatureFile, read_creature};
 pub(super) use creature_file::{creature_of, list, typed};
 
-use super::table::{CellFault, LIMBS, Measure, POINTS, RECEPTORS, Table, read_table};
-use super::touch_columns::{TouchColumns, coordinate_columns, left_out_in_words};
+use super::UNIT_LENGTH;
+use super::log::table::{CellFault, LIMBS, POINTS, RECEPTORS};
+use super::log::{Log, LogEnd, LogJoint, far_angles};
 use super::touch_line::check;
 use super::words::listed;
 use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
-use crate::creature::{Creature, Dof, Posture};
+use crate::creature::{Creature, DofKind, Posture};
 use crate::error::Error;
-use crate::named::did_you_mean;
 use crate::senses::{ExactContact, Input, RecordedTouch, Touch, TouchEnd};
 use crate::skin::{Receptor, Skin};
 
 /// Bare receptors of a limb at the most.
 const BARE_RECEPTORS: usize = 12;
+/// How far from 1 the length of a quaternion may be that was written with few digits; it is then scaled.
+const ROUNDED: f64 = 0.01;
+/// Points farther from their limb's origin than this, metres, on the median look like millimetres; a single one so many times
+/// as far as the median is worth a note.
+const FAR: f64 = 10.0;
+/// A limb that is shorter than this, metres, is taken to be as long.
+const LEAST: f64 = 0.05;
+/// Share of a degree of freedom's coordinates beyond its range that is worth a note.
+const BEYOND_SHARE: f64 = 0.05;
+/// How far they are beyond it then at the least, radians and metres.
+const BEYOND: f64 = 0.02;
 
 /// A log of touches, and the skin that they are on.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,32 +54,20 @@ pub struct Recording {
     pub notes: Vec<String>,
 }
 
-/// One end of a touch as the log has it.
-struct RawEnd {
-    /// The name of the limb.
-    limb: Option<String>,
-    /// The id of the receptor.
-    receptor: Option<String>,
-    /// The point of contact in the limb's frame, metres.
-    point: Option<Vector3<f64>>,
-    /// Standard deviation of each of its coordinates, metres.
-    deviation: Option<f64>,
-}
-
-impl RawEnd {
-    /// The receptor, an index into the skin; `None` if the skin does not have it.
-    fn receptor(&self, skin: &Skin) -> Option<usize> {
-        self.receptor.as_ref().and_then(|id| skin.receptor(id))
-    }
-}
-
 /// A touch before it is known whether creature and skin have what it names; its posture in the creature's order.
 struct RawTouch {
     line: usize,
     bout: Option<u64>,
     motion: Option<u64>,
     posture: Posture,
-    ends: [RawEnd; 2],
+    ends: [LogEnd; 2],
+}
+
+impl LogEnd {
+    /// The receptor, an index into the skin; `None` if the skin does not have it.
+    fn of_skin(&self, skin: &Skin) -> Option<usize> {
+        self.receptor.as_ref().and_then(|id| skin.receptor(id))
+    }
 }
 
 /// Reads a recording's touches from `path`: JSON or a table of comma-separated values, packed by gzip or not.
@@ -78,90 +77,108 @@ struct RawTouch {
 /// no touch of the creature; for a log without touches; and for one whose angles look like degrees.
 pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, Error> {
     let creature = agent.creature();
-    let columns_of_dof = |dof: &Dof| coordinate_columns(&dof.name, dof.kind);
-    let coordinates: Vec<_> = creature.dofs().flat_map(columns_of_dof).collect();
-    let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
-    let mut table = read_table(path, &names, Some(creature))?;
-    let (mut touches, mut left_out) = (Vec::with_capacity(table.rows.len()), Vec::new());
-    let mut columns = None;
-    if !table.rows.is_empty() || !table.columns.is_empty() {
-        let found = columns_of(&mut table, &coordinates);
-        columns = Some(found.map_err(|fault| Error::content(path, Some(table.line), fault))?);
-    }
-    for ((line, row), columns) in table.rows.iter().zip(columns.iter().cycle()) {
-        match raw_touch(&table, columns, *line, row, creature) {
-            Ok(touch) => touches.push(touch),
-            Err(CellFault::NotFinite(fault)) => left_out.push((*line, fault)),
-            Err(CellFault::Wrong(fault)) => return Err(Error::content(path, Some(*line), fault)),
-        }
-    }
-    let left_out = left_out_in_words(&left_out, table.rows.len());
-    if touches.is_empty() {
-        let why = left_out.map_or(String::new(), |note| format!(" ({note})"));
-        let message = format!("it holds no touch{why}: give one with a touch a line");
-        return Err(Error::content(path, None, message));
-    }
-    let odd = posture::check(path, creature, &touches)?;
-    let mut notes: Vec<String> = table.notes().chain(left_out).chain(odd).collect();
-    notes.extend(columns.and_then(|columns| columns.note()));
-    let mut recording = resolve(path, agent, &touches)?;
-    let rows = recording.touches.len();
-    let repeats = drop_repeats(&mut recording.touches);
-    notes.extend((repeats > 0).then(|| {
-        format!("{repeats} of {rows} rows repeat another in the same posture: each touch counts once")
-    }));
-    Ok(Recording { notes, ..recording })
+    let joints = creature.dofs().map(|dof| LogJoint { name: &dof.name, kind: dof.kind, range: dof.range });
+    let mut log = Log::read(path, joints.collect(), &[], Some(creature), missing)?;
+    let rows = log.rows(|log, line, row| raw_touch(log, line, row, creature))?;
+    let postures = rows.iter().map(|touch| (touch.line, &touch.posture[..]));
+    log.check_angles(postures)?;
+    let odd: Vec<String> = out_of_range(&log, &rows).chain(far_points(&rows)).collect();
+    let Recording { agent, mut touches, input, .. } = resolve(&log, agent, &rows)?;
+    let repeats = drop_repeats(&mut touches);
+    log.notes.extend(odd);
+    log.note_repeats(repeats, rows.len());
+    Ok(Recording { agent, touches, input, notes: log.notes })
 }
 
-/// The columns of a table, which has all that a touch needs.
-fn columns_of(table: &mut Table, coordinates: &[(String, Option<Measure>)]) -> Result<TouchColumns, String> {
-    let columns = TouchColumns::new(table, coordinates, &[])?;
-    if let Some(missing) = columns.posture.iter().position(Option::is_none) {
-        let name = &coordinates[missing].0;
-        let meant = columns.spare.iter().find(|other| did_you_mean(other.name(), [name.as_str()]).is_some());
-        let meant =
-            meant.map_or(String::new(), |other| format!(", or is {} meant? Then rename it", other.title));
-        return Err(format!("there is no column {name}: add this degree of freedom{meant}"));
-    }
-    for side in [0, 1] {
-        let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
-        let has = |name: &str| columns.place(name).is_some();
-        if !(has(receptor) || has(limb) && has(x)) {
-            let missing = if has(limb) { x } else { limb };
-            return Err(format!(
-                "there is no column {missing}: give {limb} with {x}, {y}, {z}, or {receptor}"
-            ));
-        }
-    }
-    Ok(columns)
-}
-
-/// The touch of a row.
-fn raw_touch(
-    table: &Table,
-    columns: &TouchColumns,
-    line: usize,
-    row: &StringRecord,
-    creature: &Creature,
-) -> Result<RawTouch, CellFault> {
-    let number = |at: &usize| table.number(row, *at, "radians, or metres of a slide");
-    let mut posture = columns.posture.iter().flatten().map(number).collect::<Result<Vec<f64>, _>>()?;
-    posture::unit_quaternions(creature, &mut posture);
-    let end = |side: usize| -> Result<RawEnd, CellFault> {
-        Ok(RawEnd {
-            limb: columns.text(row, LIMBS[side]).map(str::to_string),
-            receptor: columns.text(row, RECEPTORS[side]).map(str::to_string),
-            point: columns.point(table, row, side)?,
-            deviation: columns.deviation(table, row, side)?,
-        })
+/// The column that a log lacks of those that every touch needs.
+fn missing(log: &Log) -> Option<String> {
+    let lacks = |(joint, at): &(LogJoint, usize)| {
+        log.posture[*at..at + joint.kind.coordinates()].iter().position(Option::is_none)
     };
+    if let Some((joint, k)) = log.joints().find_map(|joint| Some((joint.0, lacks(&joint)?))) {
+        let (name, _) = &joint.columns()[k];
+        return Some(format!("there is no column {name}: add this degree of freedom{}", log.meant(name)));
+    }
+    let side = [0, 1]
+        .into_iter()
+        .find(|&side| !(log.has(RECEPTORS[side]) || log.has(LIMBS[side]) && log.has(POINTS[side][0])))?;
+    let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
+    let missing = if log.has(limb) { x } else { limb };
+    Some(format!("there is no column {missing}: give {limb} with {x}, {y}, {z}, or {receptor}"))
+}
+
+/// The touch of a row. Quaternions that were rounded when they were written are scaled; those that fit to the last digits stay.
+fn raw_touch(log: &Log, line: usize, row: &StringRecord, creature: &Creature) -> Result<RawTouch, CellFault> {
+    let number = |at: &usize| log.table.number(row, *at, "radians, or metres of a slide");
+    let mut posture = log.posture.iter().flatten().map(number).collect::<Result<Vec<f64>, _>>()?;
+    for ball in creature.elements().filter(|element| element.is_ball()) {
+        let coordinates = ball.of_mut(&mut posture);
+        let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let off = (length - 1.0).abs();
+        if off > UNIT_LENGTH && off < ROUNDED {
+            coordinates.iter_mut().for_each(|x| *x /= length);
+        }
+    }
     Ok(RawTouch {
         line,
-        bout: columns.count(table, row, "bout")?,
-        motion: columns.count(table, row, "motion")?,
-        ends: [end(0)?, end(1)?],
+        bout: log.count(row, "bout")?,
+        motion: log.count(row, "motion")?,
+        ends: [log.end(row, 0)?, log.end(row, 1)?],
         posture: posture.into(),
     })
+}
+
+/// Coordinates beyond their ranges, as sentences.
+fn out_of_range(log: &Log, touches: &[RawTouch]) -> impl Iterator<Item = String> {
+    log.joints().filter(|(joint, _)| joint.kind != DofKind::Ball).filter_map(|(joint, at)| {
+        let LogJoint { name, range: [low, high], .. } = joint;
+        let values = || touches.iter().map(|touch| touch.posture[at]);
+        let beyond = values().filter(|x| *x < low - BEYOND || *x > high + BEYOND).count();
+        if beyond as f64 <= BEYOND_SHARE * touches.len() as f64 {
+            let angles = touches.iter().map(|touch| (touch.line, touch.posture[at]));
+            return far_angles(joint, angles).filter(|_| joint.kind == DofKind::Hinge);
+        }
+        let [least, most] =
+            [values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max)];
+        Some(format!(
+            "{name} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of {} touches: \
+             mend the range in the creature's file, or the angles' sign or zero",
+            touches.len()
+        ))
+    })
+}
+
+/// The first point that is far from its limb for a point of it, and points that are all far, as sentences.
+fn far_points(touches: &[RawTouch]) -> impl Iterator<Item = String> {
+    let (mut of_limbs, mut all) = (BTreeMap::<&str, Vec<(usize, f64)>>::new(), Vec::new());
+    for (touch, end) in touches.iter().flat_map(|touch| touch.ends.iter().map(move |end| (touch, end))) {
+        let Some(distance) = end.point.map(|point| point.norm()) else { continue };
+        all.push(distance);
+        if let Some(limb) = &end.limb {
+            of_limbs.entry(limb).or_default().push((touch.line, distance));
+        }
+    }
+    let one = of_limbs.into_iter().find_map(|(limb, points)| {
+        let usual = median(points.iter().map(|(_, distance)| *distance).collect())?.max(LEAST);
+        let (line, far) = points.into_iter().find(|(_, distance)| *distance > FAR * usual)?;
+        Some(format!(
+            "on line {line} the point on {limb} is {far:.3} m from its origin, and half of its points are within {usual:.3} m: \
+             mend it, or leave the touch out"
+        ))
+    });
+    let millimetres = median(all).filter(|median| *median > FAR).map(|median| {
+        format!(
+            "half of the points are more than {median:.0} m from their limb's origin: if they are in millimetres, \
+             convert them to metres"
+        )
+    });
+    one.into_iter().chain(millimetres)
+}
+
+/// The middle one of some numbers.
+pub(super) fn median(mut numbers: Vec<f64>) -> Option<f64> {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
 }
 
 /// Leaves of touches that repeat one another the first; how many went.
@@ -174,17 +191,16 @@ fn drop_repeats(touches: &mut Vec<RecordedTouch>) -> usize {
 }
 
 /// Gives every touch its limbs and receptors.
-fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Error> {
+fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Error> {
     let limbs = agent.creature().limbs();
-    let refuse = |touch: &RawTouch, fault: String| Error::content(path, Some(touch.line), fault);
-    let of_touch = |touch: &RawTouch| -> Result<[usize; 2], String> {
-        Ok([limb_of(agent, touch, 0)?, limb_of(agent, touch, 1)?])
-    };
-    let met = raw.iter().map(|touch| of_touch(touch).map_err(|fault| refuse(touch, fault)));
+    let met = raw.iter().map(|touch| {
+        let limbs = limb_of(agent, touch, 0).and_then(|a| Ok([a, limb_of(agent, touch, 1)?]));
+        limbs.map_err(|fault| log.refused(touch.line, fault))
+    });
     let met: Vec<[usize; 2]> = met.collect::<Result<_, _>>()?;
     let mut points = vec![Vec::new(); limbs.len()];
     for (end, &limb) in raw.iter().flat_map(|touch| &touch.ends).zip(met.iter().flatten()) {
-        if end.receptor(agent.skin()).is_none() {
+        if end.of_skin(agent.skin()).is_none() {
             points[limb].extend(end.point);
         }
     }
@@ -195,11 +211,10 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Er
             skin.receptors.extend(bare_receptors(&limbs[limb], limb, points));
         }
     }
-    let agent = agent.with_skin(skin).map_err(|error| Error::content(path, None, error.to_string()))?;
+    let agent = agent.with_skin(skin).map_err(|error| Error::unfit(log.path, error.to_string()))?;
     let skin = agent.skin();
-    let named = |end: &RawEnd| end.receptor(skin).filter(|&receptor| receptor < given);
-    let ends = || raw.iter().flat_map(|touch| &touch.ends);
-    let all_receptors = ends().all(|end| named(end).is_some());
+    let named = |end: &LogEnd| end.of_skin(skin).filter(|&receptor| receptor < given);
+    let all_receptors = raw.iter().flat_map(|touch| &touch.ends).all(|end| named(end).is_some());
     let mut touches = Vec::with_capacity(raw.len());
     for (number, (found, limbs)) in raw.iter().zip(&met).enumerate() {
         // The end on the earlier limb comes first.
@@ -220,7 +235,7 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Er
         let deviations = order.map(|k| found.ends[k].deviation);
         let contact = ExactContact { points: [point(0), point(1)], deviations, depth: None };
         let touch = RecordedTouch::new(touch, contact);
-        check(&touch, &agent).map_err(|fault| refuse(found, fault))?;
+        check(&touch, &agent).map_err(|fault| log.refused(found.line, fault))?;
         touches.push(touch);
     }
     if let Some(without) = raw.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
@@ -228,7 +243,7 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Er
     {
         let message = "this touch has only receptors and others have only points: give points in every touch, or \
                        receptors in every touch";
-        return Err(refuse(without, message.into()));
+        return Err(log.refused(without.line, message));
     }
     let input = if all_receptors { Input::Receptor } else { Input::Contact };
     Ok(Recording { agent, touches, input, notes: Vec::new() })
@@ -237,26 +252,22 @@ fn resolve(path: &Path, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Er
 /// The limb of one end of a touch: where its receptor is, or the one that is named.
 fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
     let (creature, skin) = (agent.creature(), agent.skin());
-    let end = &touch.ends[k];
-    let side = ["a", "b"][k];
-    let unknown = |name: &String| {
-        format!(
-            "column {}: {} has no limb \"{name}\": name one of {}",
-            LIMBS[k],
-            creature.name(),
-            listed(creature.limbs())
-        )
+    let (end, side, limbs) = (&touch.ends[k], ["a", "b"][k], creature.limbs());
+    let limb = |name: &String| {
+        creature.limb(name).ok_or_else(|| {
+            let (column, all) = (LIMBS[k], listed(limbs));
+            format!("column {column}: {} has no limb \"{name}\": name one of {all}", creature.name())
+        })
     };
-    let limb = |name: &String| creature.limb(name).ok_or_else(|| unknown(name));
     let named = end.limb.as_ref().map(limb).transpose()?;
-    let felt = end.receptor(skin).map(|receptor| skin.receptors[receptor].limb);
+    let felt = end.of_skin(skin).map(|receptor| skin.receptors[receptor].limb);
     match (felt, named, &end.receptor) {
-        (Some(felt), Some(named), Some(id)) if felt != named => Err(format!(
-            "column {}: receptor \"{id}\" is on limb {}, not on {}: mend one of the two",
-            LIMBS[k],
-            creature.limbs()[felt],
-            creature.limbs()[named]
-        )),
+        (Some(felt), Some(named), Some(id)) if felt != named => {
+            let (column, [felt, named]) = (LIMBS[k], [felt, named].map(|limb| &limbs[limb]));
+            Err(format!(
+                "column {column}: receptor \"{id}\" is on limb {felt}, not on {named}: mend one of the two"
+            ))
+        }
         (Some(limb), ..) => Ok(limb),
         (None, _, Some(id)) if end.point.is_none() || named.is_none() => {
             let mend = if skin.receptors.is_empty() {

@@ -24,7 +24,8 @@ use crate::calibration::robot::{Element, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::error::Error;
 use crate::model_files::{Edits, GREATEST_TURN, exact};
-use crate::session::table::{Measure, Table, name_and_unit, read_separated};
+use crate::session::log::table::{Table, read_separated};
+use crate::session::log::units::{Measure, name_and_unit};
 
 /// The root's name.
 const BASE: &str = "base";

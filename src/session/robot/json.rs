@@ -13,8 +13,8 @@ use crate::error::Error;
 use crate::geometry::{Frame, Shape};
 use crate::model_files::{Edits, Origin};
 use crate::plausible::GREATEST_LENGTH;
+use crate::session::log::units::{Measure, unit};
 use crate::session::recording::{creature_of, list, typed};
-use crate::session::table::{self, Measure};
 
 /// Length of a direction at the most that is given without regard to it.
 const GREATEST_DIRECTION: f64 = 1e6;
@@ -223,7 +223,7 @@ fn deviation(text: &str) -> Result<(f64, Option<WrittenUnit<'_>>), String> {
     let text = text.trim();
     let number = text.trim_end_matches(|mark: char| mark.is_alphabetic() || mark == '°');
     let word = &text[number.len()..];
-    let unit = table::unit(word).filter(|_| !word.is_empty());
+    let unit = unit(word).filter(|_| !word.is_empty());
     let per = if word.is_empty() { 1.0 } else { unit.map_or(f64::NAN, |unit| unit.per) };
     let value = number.trim().parse().map_or(f64::NAN, |x: f64| x / per);
     Ok((possible_deviation(value, text)?, unit.map(|unit| (word, unit.measure))))

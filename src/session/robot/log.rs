@@ -19,17 +19,16 @@ use std::path::Path;
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use crate::calibration::robot::{Element, Knowledge, Posed, Robot, RobotDof, Value};
+use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::error::Error;
 use crate::named::did_you_mean;
 use crate::plausible::{is_angle, is_length};
-use crate::session::angles::{HingeAngles, wide_ranges};
-use crate::session::table::{
-    CellFault, Column, LIMBS, Measure, POINTS, Quantity, RECEPTORS, Table, read_table,
-};
-use crate::session::touch_columns::{TouchColumns, coordinate_columns, left_out_in_words};
+use crate::session::log::table::{CellFault, Column, LIMBS, POINTS, Quantity, RECEPTORS};
+use crate::session::log::units::Measure;
+use crate::session::log::{Log, LogJoint, far_angles};
+use crate::session::recording::median;
 
 const DISTANCE: &str = "distance";
 const TOUCH: &str = "touch";
@@ -40,6 +39,8 @@ const FURTHER: [Quantity<'static>; 4] =
     [(DISTANCE, Some(Measure::Length)), (TOUCH, None), (PLACE, None), (TIME, None)];
 /// Points farther from their limb than so many times the robot's size look like another unit.
 const FAR: f64 = 20.0;
+/// A robot that is shorter than this, metres, is taken to be as long.
+const LEAST: f64 = 0.05;
 
 /// A log, read.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,62 +56,49 @@ pub struct CalibrationLog {
 /// # Errors
 /// If it cannot be read, or, with line, column and fix, if it is none.
 pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, Error> {
-    let rows = Rows::read(path, robot)?;
-    let (table, columns) = (&rows.table, &rows.columns);
-    let mut notes: Vec<String> = table.notes().chain(columns.note()).collect();
-    let mut not_finite = Vec::new();
+    let mut log = read_log(path, robot)?;
+    let rows = log.rows(|log, line, row| {
+        Ok((log.text(row, TOUCH).map(str::to_string), touch_of(log, robot, line, row)?))
+    })?;
     let mut touches: Vec<Touch> = Vec::new();
     // Lines of one name and links are contacts of one touch; a line without a name is a touch of its own.
     let mut places = HashMap::new();
-    for (line, row) in &table.rows {
-        let refuse = |fault: String| Err(Error::content(path, Some(*line), fault));
-        let touch = match rows.touch(*line, row) {
-            Ok(touch) => touch,
-            Err(CellFault::NotFinite(fault)) => {
-                not_finite.push((*line, fault));
-                continue;
-            }
-            Err(CellFault::Wrong(fault)) => return refuse(fault),
-        };
-        let name = columns.text(row, TOUCH);
+    for (name, touch) in rows {
         let links = [0, 1].map(|side: usize| touch.ends[side].first().map(|end| end.feature.link(robot)));
-        let place = *places.entry((name.ok_or(line), links)).or_insert(touches.len());
+        let line = touch.line;
+        let place = *places.entry((name.clone().ok_or(line), links)).or_insert(touches.len());
         match touches.get_mut(place) {
             None => touches.push(touch),
             Some(first) if first.posture == touch.posture => {
                 first.ends.iter_mut().zip(touch.ends).for_each(|(ends, more)| ends.extend(more));
             }
             Some(first) => {
-                return refuse(format!(
+                let fault = format!(
                     "touch {} has another posture than on line {}: give lines of one posture one name, others another",
                     name.unwrap_or_default(),
                     first.line
-                ));
+                );
+                return Err(log.refused(line, fault));
             }
         }
     }
     let before = touches.len();
     touches.retain(|touch| touch.ends.iter().all(|ends| !ends.is_empty()));
-    notes.extend(left_out_in_words(&not_finite, table.rows.len()));
-    if touches.len() < before {
-        notes.push(format!(
-            "{} touches have contacts on one side alone: they are left out",
-            before - touches.len()
-        ));
-    }
     if touches.is_empty() {
-        return Err(Error::content(path, None, "it holds no touch: give one with a touch a line"));
+        return Err(log.empty(None));
     }
-    let all = touches.len();
-    let repeats = drop_repeats(&mut touches);
-    if repeats > 0 {
-        notes.push(format!(
-            "{repeats} of {all} rows repeat another in the same posture: each touch counts once"
-        ));
-    }
-    notes.extend(rows.check_angles(path, &touches)?);
-    rows.refuse_millimetres(path, &touches)?;
-    Ok(CalibrationLog { touches, notes })
+    let (all, repeats) = (touches.len(), drop_repeats(&mut touches));
+    let one_sided = (all < before)
+        .then(|| format!("{} touches have contacts on one side alone: they are left out", before - all));
+    log.notes.extend(one_sided);
+    log.note_repeats(repeats, all);
+    log.check_angles(touches.iter().map(|touch| (touch.line, &touch.posture[..])))?;
+    let hinges: Vec<_> = log.joints().filter(|(joint, _)| joint.kind == DofKind::Hinge).collect();
+    log.notes.extend(hinges.into_iter().filter_map(|(joint, at)| {
+        far_angles(joint, touches.iter().map(|touch| (touch.line, touch.posture[at])))
+    }));
+    refuse_millimetres(&log, robot, &touches)?;
+    Ok(CalibrationLog { touches, notes: log.notes })
 }
 
 /// Adds to a robot the fixed places that the log's column `place` names: points on its root, known where the log says where
@@ -119,17 +107,15 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
 /// # Errors
 /// As of [`read_calibration_log`]; also where a place is said to be at two positions.
 pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
-    let rows = Rows::read(path, robot)?;
+    let log = read_log(path, robot)?;
     let mut named = Vec::new();
-    for (line, row) in &rows.table.rows {
-        let Some(name) = rows.columns.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else {
-            continue;
-        };
-        match rows.point(row, 1) {
+    for (line, row) in &log.table.rows {
+        let Some(name) = log.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else { continue };
+        match point(&log, row, 1) {
             Ok(said) => named.push((*line, name.to_string(), said)),
             // The row is left out where the log is read.
             Err(CellFault::NotFinite(_)) => {}
-            Err(CellFault::Wrong(fault)) => return Err(Error::content(path, Some(*line), fault)),
+            Err(CellFault::Wrong(fault)) => return Err(log.refused(*line, fault)),
         }
     }
     let own = robot.links.len();
@@ -186,256 +172,179 @@ pub(super) fn is_log(bytes: &[u8]) -> bool {
     LIMBS.iter().chain(&RECEPTORS).any(|name| head.split(',').any(|title| title.trim() == *name))
 }
 
-/// A table of a robot's touches, and which column holds what.
-struct Rows<'r> {
-    robot: &'r Robot,
-    table: Table,
-    columns: TouchColumns,
+/// Reads a log of a robot: what follows another joint has no column.
+fn read_log<'a>(path: &'a Path, robot: &'a Robot) -> Result<Log<'a>, Error> {
+    let joints = robot.leaders().map(|dof| LogJoint { name: &dof.name, kind: dof.kind, range: dof.range });
+    Log::read(path, joints.collect(), &FURTHER, None, |log| column_fault(log, robot))
 }
 
-impl<'r> Rows<'r> {
-    fn read(path: &Path, robot: &'r Robot) -> Result<Rows<'r>, Error> {
-        let columns_of_dof = |dof: &RobotDof| coordinate_columns(&dof.name, dof.kind);
-        let coordinates: Vec<_> = robot.leaders().flat_map(columns_of_dof).collect();
-        let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
-        let mut table = read_table(path, &names, None)?;
-        let columns = TouchColumns::new(&mut table, &coordinates, &FURTHER);
-        let columns = columns.and_then(|columns| Rows::checked(columns, robot));
-        let columns = columns.map_err(|fault| Error::content(path, Some(1), fault))?;
-        Ok(Rows { robot, table, columns })
+/// What is wrong with columns that do not name what touched on both sides, and where a joint was.
+fn column_fault(log: &Log, robot: &Robot) -> Option<String> {
+    let named = |side: usize| log.has(LIMBS[side]) || log.has(RECEPTORS[side]);
+    if let Some(side) = (0..2).find(|side| !named(*side) && !(*side == 1 && log.has(PLACE))) {
+        return Some(format!("there is no column {}: name what touched on this side", LIMBS[side]));
     }
-
-    /// Columns that name what touched on both sides, and where a joint was.
-    fn checked(columns: TouchColumns, robot: &Robot) -> Result<TouchColumns, String> {
-        let has = |name: &str| columns.place(name).is_some();
-        for side in 0..2 {
-            let is_place = side == 1 && has(PLACE);
-            if !is_place && !has(LIMBS[side]) && !has(RECEPTORS[side]) {
-                return Err(format!("there is no column {}: name what touched on this side", LIMBS[side]));
-            }
-        }
-        let missing = robot.dofs.iter().filter(|dof| columns.posture[dof.coordinate].is_none());
-        let missing: Vec<&str> = missing.map(|dof| dof.name.as_str()).collect();
-        let spare = &columns.spare;
-        if missing.len() == robot.dofs.len() && !missing.is_empty() {
-            let example = spare.first().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
-            return Err(format!(
-                "no column is called as a joint of {}: name them {} …{example}",
-                robot.name, missing[0]
-            ));
-        }
-        for column in spare {
-            // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
-            let called = column.name().to_lowercase();
-            if let Some(near) = missing.iter().find(|name| name.to_lowercase() == called) {
-                return Err(format!(
-                    "column \"{}\" is nearly called as the joint {near}: rename it",
-                    column.title
-                ));
-            }
-        }
-        Ok(columns)
+    let missing = robot.dofs.iter().filter(|dof| log.posture[dof.coordinate].is_none());
+    let missing: Vec<&str> = missing.map(|dof| dof.name.as_str()).collect();
+    if missing.len() == robot.dofs.len() && !missing.is_empty() {
+        let example = log.spare.first().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
+        return Some(format!(
+            "no column is called as a joint of {}: name them {} …{example}",
+            robot.name, missing[0]
+        ));
     }
+    log.spare.iter().find_map(|column| {
+        // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
+        let near = missing.iter().find(|name| name.eq_ignore_ascii_case(column.name()))?;
+        Some(format!("column \"{}\" is nearly called as the joint {near}: rename it", column.title))
+    })
+}
 
-    fn number(&self, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
-        let number = self.table.number(row, at, "a number")?;
-        if is_length(number) && is_angle(number) {
-            return Ok(number);
-        }
-        Err(CellFault::Wrong(format!(
-            "{}: {} is beyond all that can be: give metres or radians, or leave the touch out",
-            self.table.place(at),
-            &row[at]
-        )))
+/// The touch of a row, or the contact that it has of one.
+fn touch_of(log: &Log, robot: &Robot, line: usize, row: &StringRecord) -> Result<Touch, CellFault> {
+    let ends = [end(log, robot, row, 0)?, end(log, robot, row, 1)?];
+    if log.text(row, TOUCH).is_none()
+        && let Some(side) = ends.iter().position(Option::is_none)
+    {
+        let message = format!("column {} is empty: name what touched", LIMBS[side]);
+        return Err(CellFault::Wrong(message));
     }
+    let distance = log.given(row, DISTANCE).map(|at| number(log, row, at)).transpose()?;
+    let links = ends.map(|end| end.map_or(usize::MAX, |end| end.feature.link(robot)));
+    Ok(Touch {
+        line,
+        posture: posture(log, robot, row, links)?,
+        ends: ends.map(|end| end.into_iter().collect()),
+        distance: distance.unwrap_or_default(),
+        time: log.text(row, TIME).and_then(|cell| cell.parse().ok()),
+    })
+}
 
-    /// The touch of a row, or the contact that it has of one.
-    fn touch(&self, line: usize, row: &StringRecord) -> Result<Touch, CellFault> {
-        let ends = [self.end(row, 0)?, self.end(row, 1)?];
-        if self.columns.text(row, TOUCH).is_none() && ends.iter().any(Option::is_none) {
-            let side = usize::from(ends[0].is_some());
-            let message = format!("column {} is empty: name what touched", LIMBS[side]);
-            return Err(CellFault::Wrong(message));
-        }
-        let distance = self.columns.given(row, DISTANCE).map(|at| self.number(row, at)).transpose()?;
-        let links =
-            ends.each_ref().map(|end| end.as_ref().map_or(usize::MAX, |end| end.feature.link(self.robot)));
-        Ok(Touch {
-            line,
-            posture: self.posture(row, links)?,
-            ends: ends.map(|end| end.into_iter().collect()),
-            distance: distance.unwrap_or_default(),
-            time: self.columns.text(row, TIME).and_then(|cell| cell.parse().ok()),
-        })
+fn number(log: &Log, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
+    let number = log.table.number(row, at, "a number")?;
+    if is_length(number) && is_angle(number) {
+        return Ok(number);
     }
+    let (place, cell) = (log.table.place(at), &row[at]);
+    Err(CellFault::Wrong(format!(
+        "{place}: {cell} is beyond all that can be: give metres or radians, or leave the touch out"
+    )))
+}
 
-    /// The point of a side, if there is one.
-    fn point(&self, row: &StringRecord, side: usize) -> Result<Option<Vector3<f64>>, CellFault> {
-        let point = self.columns.point(&self.table, row, side)?;
-        match point.filter(|point| !point.iter().all(|x| is_length(*x))) {
-            None => Ok(point),
-            Some(_) => Err(CellFault::Wrong(format!(
-                "the point {} is beyond all that can be: give metres, or leave the touch out",
-                POINTS[side].join(", ")
-            ))),
-        }
+/// The point of a side, if there is one.
+fn point(log: &Log, row: &StringRecord, side: usize) -> Result<Option<Vector3<f64>>, CellFault> {
+    let point = log.point(row, side)?;
+    match point.filter(|point| !point.iter().all(|x| is_length(*x))) {
+        None => Ok(point),
+        Some(_) => Err(CellFault::Wrong(format!(
+            "the point {} is beyond all that can be: give metres, or leave the touch out",
+            POINTS[side].join(", ")
+        ))),
     }
+}
 
-    fn end(&self, row: &StringRecord, side: usize) -> Result<Option<End>, CellFault> {
-        let robot = self.robot;
-        let wrong = |message: String| Err(CellFault::Wrong(message));
-        let place = self.columns.text(row, PLACE).filter(|_| side == 1);
-        let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| self.columns.text(row, names[side]));
-        if let (Some(place), Some(other)) = (place, limb.or(receptor)) {
+/// What touched on a side.
+fn end(log: &Log, robot: &Robot, row: &StringRecord, side: usize) -> Result<Option<End>, CellFault> {
+    let wrong = |message: String| Err(CellFault::Wrong(message));
+    let place = log.text(row, PLACE).filter(|_| side == 1);
+    let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| log.text(row, names[side]));
+    if let (Some(place), Some(other)) = (place, limb.or(receptor)) {
+        let column = LIMBS[1];
+        return wrong(format!("both {place} and {other} are named: leave column place or {column} empty"));
+    }
+    // A receptor is a point of its own; the limb beside it says no more.
+    let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
+    let Some(name) = receptor.or(limb).or(place) else { return Ok(None) };
+    let deviation = log.deviation(row, side)?;
+    let point = point(log, row, side)?.filter(|_| place.is_none());
+    let feature = match (point, robot.surface(name), robot.points_of(name)) {
+        (Some(point), _, Some(link)) => Feature::Point(link, point),
+        (None, Some(surface), _) => Feature::Surface(surface),
+        (None, None, Some(link)) if robot.is_place(link) => Feature::Point(link, Vector3::zeros()),
+        (None, None, Some(_)) => {
+            let column = POINTS[side][0];
             return wrong(format!(
-                "both {place} and {other} are named: leave column place or {} empty",
-                LIMBS[1]
+                "{name} has no point: give {column} and the others, or name a surface of it"
             ));
         }
-        // A receptor is a point of its own; the limb beside it says no more.
-        let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
-        let Some(name) = receptor.or(limb).or(place) else { return Ok(None) };
-        let deviation = self.columns.deviation(&self.table, row, side)?;
-        let point = self.point(row, side)?.filter(|_| place.is_none());
-        let feature = match (point, robot.surface(name), robot.points_of(name)) {
-            (Some(point), _, Some(link)) => Feature::Point(link, point),
-            (None, Some(surface), _) => Feature::Surface(surface),
-            (None, None, Some(link)) if robot.is_place(link) => Feature::Point(link, Vector3::zeros()),
-            (None, None, Some(_)) => {
-                return wrong(format!(
-                    "{name} has no point: give {} and the others, or name a surface of it",
-                    POINTS[side][0]
-                ));
-            }
-            (Some(_), Some(_), None) => {
-                return wrong(format!(
-                    "{name} is a surface: leave its point out, or name the limb that it is on"
-                ));
-            }
-            (_, None, None) => {
-                let links = robot.links.iter().map(|link| link.name.as_str());
-                let names = links.chain(robot.surfaces.iter().map(|surface| surface.name.as_str()));
-                let names = names.filter(|name| !name.ends_with(".mount"));
-                let near = did_you_mean(name, names.clone()).or({ names }.next()).unwrap_or_default();
-                return wrong(format!(
-                    "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
-                    LIMBS[side], robot.name
-                ));
-            }
-        };
-        Ok(Some(End { feature, deviation }))
-    }
-
-    /// The posture; joints between the two must have been read.
-    fn posture(&self, row: &StringRecord, links: [usize; 2]) -> Result<Vec<f64>, CellFault> {
-        let robot = self.robot;
-        let mut posture = Vec::with_capacity(self.columns.posture.len());
-        let mut not_finite = None;
-        for at in &self.columns.posture {
-            posture.push(match at.filter(|at| !row[*at].is_empty()).map(|at| self.number(row, at)) {
-                Some(Err(fault @ CellFault::NotFinite(_))) => {
-                    not_finite.get_or_insert(fault);
-                    None
-                }
-                read => read.transpose()?,
-            });
+        (Some(_), Some(_), None) => {
+            return wrong(format!(
+                "{name} is a surface: leave its point out, or name the limb that it is on"
+            ));
         }
-        for (index, dof) in robot.dofs.iter().enumerate() {
-            let own = dof.coordinate..dof.coordinate + dof.kind.coordinates();
-            if posture[own].iter().any(Option::is_none) && robot.is_between(index, links) {
-                if let Some(fault) = not_finite {
-                    return Err(fault);
-                }
-                let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
-                let meant = self
-                    .columns
-                    .spare
-                    .iter()
-                    .map(Column::name)
-                    .find(|name| did_you_mean(name, [dof.name.as_str()]).is_some());
-                let meant =
-                    meant.map_or(String::new(), |name| format!(", or is {name} meant? Then rename it"));
-                return Err(CellFault::Wrong(format!(
-                    "{} moves what touched and was not read: give a column {} with its {unit}{meant}",
-                    dof.name, dof.name
-                )));
-            }
+        (_, None, None) => {
+            let links = robot.links.iter().map(|link| link.name.as_str());
+            let names = links.chain(robot.surfaces.iter().map(|surface| surface.name.as_str()));
+            let names = names.filter(|name| !name.ends_with(".mount"));
+            let near = did_you_mean(name, names.clone()).or({ names }.next()).unwrap_or_default();
+            return wrong(format!(
+                "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
+                LIMBS[side], robot.name
+            ));
         }
-        let mut posture: Vec<f64> = posture.into_iter().map(Option::unwrap_or_default).collect();
-        for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball) {
-            let own = &mut posture[dof.coordinate..dof.coordinate + 4];
-            let length = own.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if length < 0.5 {
-                own.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
-            } else {
-                own.iter_mut().for_each(|x| *x /= length);
-            }
-        }
-        Ok(posture)
-    }
-
-    /// Refuses angles that most of them are beyond a full turn, and single ones that their joint cannot have; what else looks odd.
-    fn check_angles(&self, path: &Path, touches: &[Touch]) -> Result<Vec<String>, Error> {
-        let Rows { robot, table, columns } = self;
-        let hinges = || robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge);
-        let mut notes: Vec<String> =
-            wide_ranges(hinges().map(|dof| (dof.name.as_str(), dof.range))).into_iter().collect();
-        for dof in hinges() {
-            let Some(at) = columns.posture.get(dof.coordinate).copied().flatten() else { continue };
-            let angles = touches.iter().map(|touch| (touch.line, touch.posture[dof.coordinate])).collect();
-            let hinge = HingeAngles { name: &dof.name, range: dof.range, angles };
-            if let Some((_, example)) = hinge.degrees().filter(|_| is_si(&table.columns[at])) {
-                let message = format!(
-                    "{} is {example} and mostly beyond a full turn of 6.283 radians: if these are degrees, call the column {}_deg",
-                    dof.name, dof.name
-                );
-                return Err(Error::content(path, Some(1), message));
-            }
-            // What follows another has a range of its own, and an encoder may count otherwise than its joint.
-            let leads = robot.leaders().any(|leader| leader.name == dof.name);
-            if let Some((line, message)) = hinge.impossible().filter(|_| leads) {
-                return Err(Error::content(path, Some(line), message));
-            }
-            notes.extend(hinge.note().filter(|_| leads));
-        }
-        Ok(notes)
-    }
-
-    /// Refuses points that are far from their limb for a robot of this size.
-    fn refuse_millimetres(&self, path: &Path, touches: &[Touch]) -> Result<(), Error> {
-        let Rows { robot, table, columns } = self;
-        let size = reach(robot).max(0.05);
-        for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
-            let Some(at) = columns.place(x) else { continue };
-            if !is_si(&table.columns[at]) {
-                continue;
-            }
-            let mut distances: Vec<f64> = touches
-                .iter()
-                .flat_map(|touch| &touch.ends[side])
-                .filter_map(|end| match end.feature {
-                    Feature::Point(_, point) => Some(point.norm()),
-                    Feature::Surface(_) => None,
-                })
-                .collect();
-            distances.sort_by(f64::total_cmp);
-            let Some(median) = distances.get(distances.len() / 2).copied() else { continue };
-            if median > FAR * size {
-                let message = format!(
-                    "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
-                 {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",
-                    robot.name
-                );
-                return Err(Error::content(path, Some(1), message));
-            }
-        }
-        Ok(())
-    }
+    };
+    Ok(Some(End { feature, deviation }))
 }
 
-/// Whether a column's numbers are taken for metres or radians as they stand.
-fn is_si(column: &Column) -> bool {
-    column.unit.is_none_or(|unit| unit.per == 1.0)
+/// The posture; joints between the two must have been read.
+fn posture(log: &Log, robot: &Robot, row: &StringRecord, links: [usize; 2]) -> Result<Vec<f64>, CellFault> {
+    let mut posture = Vec::with_capacity(log.posture.len());
+    let mut not_finite = None;
+    for at in &log.posture {
+        posture.push(match at.filter(|at| !row[*at].is_empty()).map(|at| number(log, row, at)) {
+            Some(Err(fault @ CellFault::NotFinite(_))) => {
+                not_finite.get_or_insert(fault);
+                None
+            }
+            read => read.transpose()?,
+        });
+    }
+    for (index, dof) in robot.dofs.iter().enumerate() {
+        let own = dof.coordinate..dof.coordinate + dof.kind.coordinates();
+        if posture[own].iter().all(Option::is_some) || !robot.is_between(index, links) {
+            continue;
+        }
+        let unit = if dof.kind == DofKind::Slide { "metres" } else { "angle" };
+        let (name, meant) = (&dof.name, log.meant(&dof.name));
+        return Err(not_finite.unwrap_or_else(|| {
+            CellFault::Wrong(format!(
+                "{name} moves what touched and was not read: give a column {name} with its {unit}{meant}"
+            ))
+        }));
+    }
+    let mut posture: Vec<f64> = posture.into_iter().map(Option::unwrap_or_default).collect();
+    for dof in robot.dofs.iter().filter(|dof| dof.kind == DofKind::Ball) {
+        let own = &mut posture[dof.coordinate..dof.coordinate + 4];
+        let length = own.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length < 0.5 {
+            own.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
+        } else {
+            own.iter_mut().for_each(|x| *x /= length);
+        }
+    }
+    Ok(posture)
+}
+
+/// Refuses points that are far from their limb for a robot of this size.
+fn refuse_millimetres(log: &Log, robot: &Robot, touches: &[Touch]) -> Result<(), Error> {
+    let size = reach(robot).max(LEAST);
+    for (side, [x, y, z]) in POINTS.into_iter().enumerate() {
+        let distances =
+            touches.iter().flat_map(|touch| &touch.ends[side]).filter_map(|end| match end.feature {
+                Feature::Point(_, point) => Some(point.norm()),
+                Feature::Surface(_) => None,
+            });
+        let median = median(distances.collect()).filter(|median| *median > FAR * size);
+        if let Some(median) = median.filter(|_| log.column(x).is_some_and(Column::is_si)) {
+            let message = format!(
+                "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
+                 {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",
+                robot.name
+            );
+            return Err(log.refused(log.table.line, message));
+        }
+    }
+    Ok(())
 }
 
 /// The longest way from the root out along positions, metres.
