@@ -15,8 +15,7 @@ use crate::session::{BabbledSession, FolderLock, LearningOptions, ReadLock, Sess
 /// Learn again from the touches of a session, or from a recording of a real body.
 ///
 /// Of a session, the log alone is enough: the creature and its skin are in it. Where the model is still at hand,
-/// the result is measured against it. The session's schema, table and learned model are replaced, all at once; a schema that
-/// stood up to fresh touches and was learned in another way is kept, in earlier-1, -2, … of the session's folder. With --out
+/// the result is measured against it. The session's schema, table and learned model are replaced, all at once. With --out
 /// the session stays as it is, and a new one gets its touches and what is learned; --force replaces one that is there.
 ///
 /// Given a model in place of a session, it babbles first: `learn MODEL` is `babble MODEL`, with its options.

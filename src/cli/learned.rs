@@ -25,8 +25,7 @@ const UNCONFIRMED: &str = "no held-out touches confirm the schema";
 /// Where touches told too little, so many times as many are proposed.
 const MORE: usize = 3;
 
-/// Learns from a session's touches, writes all that comes of it into its folder at once, the report as well, and prints it. A
-/// schema that is there, stood up to fresh touches and was learned otherwise is kept beside it.
+/// Learns from a session's touches, writes all that comes of it into its folder at once, the report as well, and prints it.
 pub fn learn_and_print(
     lock: &FolderLock,
     babbled: &BabbledSession,
@@ -36,23 +35,9 @@ pub fn learn_and_print(
     as_json: bool,
 ) -> Result<LearnedSession, Failure> {
     let command = output::command_line();
-    let (folder, creature) = (lock.part()?, babbled.session.agent.creature());
+    let folder = lock.part()?;
     let result = learn_session(folder, babbled, options, truth, &command, observer)?;
     write_report(folder, &babbled.session, &babbled.touches, truth)?;
-    // One that cannot be read is not known to be worth nothing.
-    let before = LearningRecord::read(lock.place(), creature).ok().flatten();
-    let worthless = before.as_ref().is_some_and(|before| !before.converged);
-    let alike = before.is_some_and(|before| result.record.is_learned_as(&before));
-    if !lock.replaces()
-        && !worthless
-        && !alike
-        && let Some(earlier) = lock.keep_earlier()?
-    {
-        tell!(
-            "what was learned before by other means is kept in {}: --out of `learn` gives what is learned a folder of its own",
-            earlier.display()
-        );
-    }
     lock.commit()?;
     let printed = Printed { folder: lock.place(), babbled, options, result: &result };
     if as_json {

@@ -24,8 +24,6 @@ const PART: &str = ".generation.part";
 const WHOLE: &str = ".generation";
 /// Among the new files, the names of the files that are removed when they come, a line each.
 const REMOVED: &str = ".removed";
-/// Where earlier results are copied to, until all are copied.
-const EARLIER_PART: &str = ".earlier.part";
 /// For what is needed for a while.
 const SCRATCH: &str = ".scratch.part";
 /// Files that were made of a schema and are removed with it.
@@ -144,30 +142,6 @@ impl FolderLock {
         }
     }
 
-    /// Copies what [`FolderLock::commit`] is to replace into the first free of earlier-1, -2, … in the folder; `None` if
-    /// there is nothing.
-    pub(crate) fn keep_earlier(&self) -> Result<Option<PathBuf>, Error> {
-        let place = &self.place;
-        let names = names(&self.part)?.into_iter().chain(MADE_OF_SCHEMA.map(String::from));
-        let there: Vec<String> = names.filter(|name| place.join(name).is_file()).collect();
-        if there.is_empty() {
-            return Ok(None);
-        }
-        let part = self.hidden(EARLIER_PART)?;
-        for name in there {
-            let copy = part.join(&name);
-            let copied =
-                fs::copy(place.join(&name), &copy).and_then(|_| File::open(&copy)).and_then(|f| f.sync_all());
-            copied.map_err(Error::unwritable(&copy))?;
-        }
-        let earlier = (1..)
-            .map(|k: u32| place.join(format!("earlier-{k}")))
-            .find(|earlier| fs::symlink_metadata(earlier).is_err())
-            .expect("some number is free");
-        fs::rename(&part, &earlier).map_err(Error::unwritable(&earlier))?;
-        Ok(Some(earlier))
-    }
-
     /// Puts the files that were written apart into the folder: all of them, whatever happens meanwhile. Nothing is done if
     /// there are none.
     ///
@@ -207,7 +181,7 @@ impl Drop for FolderLock {
 
 /// Removes the unfinished folders that this process, or a killed one, made in a folder.
 fn remove_unfinished(folder: &Path) {
-    [PART, EARLIER_PART, SCRATCH].iter().for_each(|name| drop(fs::remove_dir_all(folder.join(name))));
+    [PART, SCRATCH].iter().for_each(|name| drop(fs::remove_dir_all(folder.join(name))));
 }
 
 /// A folder whose files are not replaced while this lives; it may be read by many.

@@ -16,9 +16,6 @@ use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
 
-/// Names of facts that tell what learning came to, and not how it was done.
-const OF_RESULT: [&str; 3] = ["random initial guesses", "learning", "change"];
-
 /// What learning from a session's touches came to.
 ///
 /// In the file, the format's name and version come before these fields.
@@ -154,15 +151,6 @@ impl LearningRecord {
             "undetermined": self.undetermined,
             "undetermined_limbs": self.undetermined_limbs,
         })
-    }
-
-    /// Whether another was learned in the same way: from as many touches, with the same seed, learner, senses and prior.
-    pub fn is_learned_as(&self, other: &LearningRecord) -> bool {
-        let way = |record: &LearningRecord| {
-            let of_way = record.facts.iter().filter(|(name, _)| !OF_RESULT.contains(&name.as_str()));
-            of_way.cloned().collect::<Vec<_>>()
-        };
-        (self.seed, self.touches) == (other.seed, other.touches) && way(self) == way(other)
     }
 
     /// That of a session without a record: nothing is known.
