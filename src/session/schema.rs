@@ -4,11 +4,11 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::stamp::Stamp;
 use super::{SESSION_FILE, UNIT_LENGTH, files, mistaken};
-use crate::creature::{Creature, Dof, DofKind, Joint};
+use crate::creature::{Creature, DofKind, Joint};
 use crate::error::Error;
 use crate::geometry::Frame;
 use crate::learning::KnownJoint;
@@ -18,11 +18,14 @@ use crate::schema::{BodySchema, SchemaStd};
 
 const STAMP: Stamp = Stamp { format: "bodyschema schema", version: 1 };
 
-/// The fields of a joint.
-const OF_JOINT: [&str; 7] =
-    ["joint", "parent", "position", "position_std", "axes", "limb_position", "limb_quaternion"];
-/// The fields of an axis.
-const OF_AXIS: [&str; 4] = ["dof", "kind", "axis", "axis_std"];
+/// The fields of a file, of its joints and of their axes.
+const FIELDS: [&[&str]; 3] = [
+    &["format", "version", "creature", "joints"],
+    &["joint", "parent", "position", "position_std", "axes", "limb_position", "limb_quaternion"],
+    &["dof", "kind", "axis", "axis_std"],
+];
+/// Which of them hold the next.
+const LISTS: [&str; 2] = ["joints", "axes"];
 
 /// The file, behind its stamp.
 #[derive(Deserialize, Serialize)]
@@ -86,23 +89,6 @@ struct AxisEntry {
 fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f64>>, D::Error> {
     Option::deserialize(deserializer).map(Some)
 }
-
-/// A joint of the creature as a file has it. A deviation that is null in the file, as of what nothing determines, is
-/// infinite.
-struct Found {
-    joint: usize,
-    position: Option<Vector3<f64>>,
-    /// `None` if the file gives no deviation.
-    position_std: Option<[f64; 3]>,
-    axes: Vec<ReadAxis>,
-    /// Whether the file says anything of axes.
-    gives_axes: bool,
-    /// The pose of its limb, if it is given.
-    pose: Option<Frame>,
-}
-
-/// A degree of freedom by its index, its axis, and the axis' deviation, if the file gives one.
-type ReadAxis = (usize, Vector3<f64>, Option<f64>);
 
 /// Writes a creature's schema to the file `path`, whole or not at all, with the standard deviations of the positions and axes
 /// if these are known; its folder is made if missing.
@@ -180,12 +166,11 @@ pub fn read_schema_with_std(
             None => error,
         }
     })?;
-    let refuse = |fault: String| Error::content(path, None, fault);
-    check_creature(&content, creature).map_err(refuse)?;
-    let found = found_joints(&content.joints, creature).map_err(refuse)?;
-    let schema = schema_of(&found, creature).map_err(refuse)?;
-    let std = std_of(&found, creature).map_err(refuse)?;
-    Ok((schema, std))
+    let read = content.joints_of(creature).and_then(|joints| {
+        let schema = schema_of(&joints, creature)?;
+        Ok((schema, std_of(&joints, creature)?))
+    });
+    read.map_err(|fault| Error::content(path, None, fault))
 }
 
 /// Reads what is known of a creature's joints from the file `path`.
@@ -203,57 +188,53 @@ pub fn read_known(path: &Path, creature: &Creature) -> Result<Vec<KnownJoint>, E
     let refuse = |fault: String| Error::content(path, None, fault);
     let unread = |error| Error::json(path, "object of known joints", &error);
     let content: SchemaFile = serde_json::from_slice(&json).map_err(unread)?;
-    let all: Map<String, Value> = serde_json::from_slice(&json).map_err(unread)?;
-    check_all_fields(&all).map_err(refuse)?;
-    if all.contains_key("format") {
+    let all: Value = serde_json::from_slice(&json).map_err(unread)?;
+    check_fields(&all, "", 0).map_err(refuse)?;
+    if all.get("format").is_some() {
         STAMP.check(path, None, &json)?;
     }
-    check_creature(&content, creature).map_err(refuse)?;
-    let found = found_joints(&content.joints, creature).map_err(refuse)?;
-    let known = found.into_iter().map(|found| {
-        let joint = &creature.joints()[found.joint];
-        known_joint(found, joint).map_err(|problem| format!("joint \"{}\" {problem}", joint.name))
+    let joints = content.joints_of(creature).map_err(refuse)?;
+    let known = joints.into_iter().map(|(joint, entry)| {
+        entry.known(joint, creature).map_err(|fault| refuse(format!("joint \"{}\" {fault}", entry.joint)))
     });
-    Ok(known.collect::<Result<Vec<_>, _>>().map_err(refuse)?.into_iter().flatten().collect())
+    Ok(known.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }
 
-/// Refuses fields that no such file has, at any depth: a misspelt one would be ignored.
-fn check_all_fields(file: &Map<String, Value>) -> Result<(), String> {
-    check_fields(file, "", &["format", "version", "creature", "joints"])?;
-    fn each<'a>(map: &'a Map<String, Value>, list: &str) -> impl Iterator<Item = &'a Map<String, Value>> {
-        map.get(list).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
+/// Refuses fields that no such file has, at any depth: a misspelt one would be ignored. `at` stands before their names.
+fn check_fields(object: &Value, at: &str, depth: usize) -> Result<(), String> {
+    let known = FIELDS[depth];
+    let mut fields = object.as_object().into_iter().flatten().map(|(field, _)| field.as_str());
+    if let Some(unknown) = fields.find(|field| !known.contains(field)) {
+        let near = did_you_mean(unknown, known.iter().copied());
+        let meant = near.map_or(String::new(), |near| format!(" (is {near} meant?)"));
+        let fields = known.join(", ");
+        return Err(format!(
+            "{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}"
+        ));
     }
-    for (i, joint) in each(file, "joints").enumerate() {
-        check_fields(joint, &format!("joints[{i}]."), &OF_JOINT)?;
-        for (k, axis) in each(joint, "axes").enumerate() {
-            check_fields(axis, &format!("joints[{i}].axes[{k}]."), &OF_AXIS)?;
+    let Some(list) = LISTS.get(depth) else { return Ok(()) };
+    let mut inner = object[*list].as_array().into_iter().flatten().enumerate();
+    inner.try_for_each(|(i, inner)| check_fields(inner, &format!("{at}{list}[{i}]."), depth + 1))
+}
+
+impl SchemaFile {
+    fn joints_of(&self, creature: &Creature) -> Result<Vec<(usize, &JointEntry)>, String> {
+        match self.creature.as_ref().filter(|name| *name != creature.name()) {
+            None => joints_of(&self.joints, creature),
+            Some(other) => Err(format!(
+                "it is of \"{other}\", not of \"{}\": give one that was learned with the same model and joints",
+                creature.name()
+            )),
         }
     }
-    Ok(())
 }
 
-/// Refuses an object with a field that is none of `known`; `at` stands before its name, with a dot where it is a place.
-fn check_fields(map: &Map<String, Value>, at: &str, known: &[&str]) -> Result<(), String> {
-    let Some(unknown) = map.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
-    let near = did_you_mean(unknown, known.iter().copied());
-    let meant = near.map_or(String::new(), |near| format!(" (is {near} meant?)"));
-    let fields = known.join(", ");
-    Err(format!("{at}{unknown} is unknown{meant}: rename it or leave it out, the fields are {fields}"))
-}
-
-fn check_creature(content: &SchemaFile, creature: &Creature) -> Result<(), String> {
-    match content.creature.as_ref().filter(|name| *name != creature.name()) {
-        None => Ok(()),
-        Some(other) => Err(format!(
-            "it is of \"{other}\", not of \"{}\": give one that was learned with the same model and joints",
-            creature.name()
-        )),
-    }
-}
-
-/// The joints of a file, each once.
-fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found>, String> {
-    let mut all: Vec<Found> = Vec::with_capacity(entries.len());
+/// The joints of a file, each once and as it can be, with their places in the creature.
+fn joints_of<'e>(
+    entries: &'e [JointEntry],
+    creature: &Creature,
+) -> Result<Vec<(usize, &'e JointEntry)>, String> {
+    let mut all: Vec<(usize, &JointEntry)> = Vec::with_capacity(entries.len());
     for (i, entry) in entries.iter().enumerate() {
         let name = &entry.joint;
         let Some(joint) = creature.joints().iter().position(|joint| joint.name == *name) else {
@@ -264,18 +245,20 @@ fn found_joints(entries: &[JointEntry], creature: &Creature) -> Result<Vec<Found
                 creature.name()
             ));
         };
-        if all.iter().any(|other| other.joint == joint) {
+        if all.iter().any(|(other, _)| *other == joint) {
             return Err(format!("joint \"{name}\" occurs twice: leave one of them out"));
         }
-        all.push(entry.found(joint, creature).map_err(|problem| format!("joint \"{name}\" {problem}"))?);
+        entry
+            .check(&creature.joints()[joint], creature)
+            .map_err(|fault| format!("joint \"{name}\" {fault}"))?;
+        all.push((joint, entry));
     }
     Ok(all)
 }
 
 impl JointEntry {
-    /// What the file has of a joint, if it can be.
-    fn found(&self, index: usize, creature: &Creature) -> Result<Found, String> {
-        let joint = &creature.joints()[index];
+    /// Checks that what it says of a joint can be.
+    fn check(&self, joint: &Joint, creature: &Creature) -> Result<(), String> {
         let parent = &creature.limbs()[joint.parent];
         if let Some(other) = self.parent.as_ref().filter(|other| *other != parent) {
             return Err(format!(
@@ -290,25 +273,37 @@ impl JointEntry {
         if self.position.is_none() && self.position_std.is_some() {
             return Err("has a position_std but no position: give both or neither".into());
         }
-        let unknown = |std: Option<f64>| std.unwrap_or(f64::INFINITY);
-        let given = self.position_std.map(|std| match std {
-            PositionStd::One(std) => [Some(std); 3],
-            PositionStd::Each(each) => each,
-        });
-        if let Some(wrong) = given.iter().flatten().flatten().find(|std| !is_deviation(**std)) {
+        let deviations = self.position_std().into_iter().flatten().flatten();
+        if let Some(wrong) = { deviations }.find(|std| !is_deviation(*std)) {
             return Err(format!(
-                "has a position_std of {wrong}, and no standard deviation of {wrong} can be: give metres that are not negative, to {GREATEST_LENGTH} at \
-                 the most, or null"
+                "has a position_std of {wrong}, and no standard deviation of {wrong} can be: give metres that are not negative, to \
+                 {GREATEST_LENGTH} at the most, or null"
             ));
         }
-        Ok(Found {
-            joint: index,
-            position: self.position.map(Vector3::from),
-            position_std: given.map(|each| each.map(unknown)),
-            axes: self.axes.as_ref().map_or(Ok(Vec::new()), |axes| read_axes(axes, joint))?,
-            gives_axes: self.axes.is_some(),
-            pose: self.pose()?,
+        let axes = self.axes.as_deref().unwrap_or_default();
+        if self.axes.is_some() && axes.len() != joint.dofs.len() {
+            return Err(format!(
+                "has {} axes in place of {}: give one for each degree of freedom, in their order",
+                axes.len(),
+                joint.dofs.len()
+            ));
+        }
+        axes.iter().zip(&joint.dofs).try_for_each(|(axis, dof)| axis.check(&dof.name, dof.kind))?;
+        self.pose().map(drop)
+    }
+
+    /// The standard deviation of each coordinate of its position; `None` if the file gives none.
+    fn position_std(&self) -> Option<[Option<f64>; 3]> {
+        self.position_std.map(|std| match std {
+            PositionStd::One(std) => [Some(std); 3],
+            PositionStd::Each(each) => each,
         })
+    }
+
+    /// Degrees of freedom by their index, their axes, and the axes' deviations, if the file gives them; those of balls have none.
+    fn axes(&self, joint: &Joint) -> Vec<(usize, Vector3<f64>, Option<Option<f64>>)> {
+        let axes = self.axes.iter().flatten().zip(joint.dof_indices());
+        axes.filter_map(|(entry, k)| Some((k, entry.axis?.into(), entry.axis_std))).collect()
     }
 
     /// The pose of its limb, if one is given.
@@ -327,33 +322,62 @@ impl JointEntry {
             _ => Err("has one of limb_position and limb_quaternion: give both or none".into()),
         }
     }
-}
 
-/// How many axes a joint has: a ball has none.
-fn axis_count(joint: &Joint) -> usize {
-    joint.dofs.iter().filter(|dof| dof.kind != DofKind::Ball).count()
-}
-
-/// The axes of a joint, as [`Found`] has them.
-fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String> {
-    if axes.len() != joint.dofs.len() {
-        return Err(format!(
-            "has {} axes in place of {}: give one for each degree of freedom, in their order",
-            axes.len(),
-            joint.dofs.len()
-        ));
+    /// What is known of a joint before the first touch; `None` if the file says only that nothing is.
+    fn known(&self, index: usize, creature: &Creature) -> Result<Option<KnownJoint>, String> {
+        if self.limb_position.is_some() {
+            let message = "has the pose of its limb, so that limbs are in frames of their own: give joints that were learned with \
+                           --frames joint";
+            return Err(message.into());
+        }
+        // What is exact has no deviation, and that of what nothing determines is infinite.
+        let unknown = |std: Option<f64>| std.unwrap_or(f64::INFINITY);
+        let stds = Vector3::from(self.position_std().unwrap_or([Some(0.0); 3]).map(unknown));
+        let position = self.position.map(|position| [position.into(), stds]);
+        let joint = &creature.joints()[index];
+        let axes = self.axes(joint).into_iter().map(|(k, axis, std)| (k, axis, std.map_or(0.0, unknown)));
+        let axes: Vec<(usize, Vector3<f64>, f64)> = axes.collect();
+        let of_position = position.iter().flat_map(|[_, std]| std.iter().copied());
+        let all: Vec<f64> = of_position.chain(axes.iter().map(|(.., std)| *std)).collect();
+        let exact = all.iter().all(|std| *std == 0.0);
+        if exact && (position.is_none() || axes.len() < axis_count(joint)) {
+            if position.is_none() && axes.is_empty() {
+                return match self.axes.is_some() {
+                    false => {
+                        Err("has neither a position nor axes: give what is known, or leave it out".into())
+                    }
+                    true => Ok(None),
+                };
+            }
+            let missing = if position.is_none() { "position" } else { "axes" };
+            return Err(format!(
+                "has no {missing}, and only a whole joint can be known exactly: give all of it, or deviations (position_std, \
+                 axis_std) of what is given"
+            ));
+        }
+        if !exact && all.contains(&0.0) {
+            let message = "is known exactly in one part and nearly in another: give a deviation (position_std, axis_std) greater \
+                           than zero to each part, or to none";
+            return Err(message.into());
+        }
+        let axes: Vec<_> = axes.into_iter().filter(|(.., std)| std.is_finite()).collect();
+        let position = position.filter(|[_, std]| std.iter().any(|std| std.is_finite()));
+        let anything = position.is_some() || !axes.is_empty();
+        Ok(anything.then_some(KnownJoint { joint: index, exact, position, axes }))
     }
-    let mut read = Vec::new();
-    for ((entry, dof), k) in axes.iter().zip(&joint.dofs).zip(joint.dof_indices()) {
-        let Dof { name, kind, .. } = dof;
-        if let Some(other) = entry.dof.as_ref().filter(|other| *other != name) {
+}
+
+impl AxisEntry {
+    /// Checks that what it says of a degree of freedom can be.
+    fn check(&self, name: &str, kind: DofKind) -> Result<(), String> {
+        if let Some(other) = self.dof.as_ref().filter(|other| *other != name) {
             return Err(format!("has \"{other}\" in place of \"{name}\": give them in the creature's order"));
         }
-        if entry.kind.is_some_and(|other| other != *kind) {
+        if self.kind.is_some_and(|other| other != kind) {
             return Err(format!("has another kind of \"{name}\": give a schema of the same joints"));
         }
-        let axis: Vector3<f64> = match (entry.axis, kind) {
-            (None, DofKind::Ball) => continue,
+        let axis: Vector3<f64> = match (self.axis, kind) {
+            (None, DofKind::Ball) => return Ok(()),
             (Some(_), DofKind::Ball) => {
                 return Err(format!("has an axis of \"{name}\", which is a ball: leave it out"));
             }
@@ -370,118 +394,78 @@ fn read_axes(axes: &[AxisEntry], joint: &Joint) -> Result<Vec<ReadAxis>, String>
                 None => format!("has an axis of \"{name}\" of length zero: give a direction"),
             });
         }
-        if let Some(wrong) = entry.axis_std.flatten().filter(|std| !is_deviation(*std)) {
-            return Err(format!(
+        match self.axis_std.flatten().filter(|std| !is_deviation(*std)) {
+            None => Ok(()),
+            Some(wrong) => Err(format!(
                 "has an axis_std of {wrong} for \"{name}\", a standard deviation of {wrong}: give radians that are not negative, \
                  or null"
-            ));
+            )),
         }
-        read.push((k, axis, entry.axis_std.map(|std| std.unwrap_or(f64::INFINITY))));
     }
-    Ok(read)
+}
+
+/// How many axes a joint has: a ball has none.
+fn axis_count(joint: &Joint) -> usize {
+    joint.dofs.iter().filter(|dof| dof.kind != DofKind::Ball).count()
 }
 
 /// The schema of joints that are all of a creature's.
 pub(super) fn schema_of_joints(entries: &[JointEntry], creature: &Creature) -> Result<BodySchema, String> {
-    schema_of(&found_joints(entries, creature)?, creature)
+    schema_of(&joints_of(entries, creature)?, creature)
 }
 
-fn schema_of(found: &[Found], creature: &Creature) -> Result<BodySchema, String> {
-    let (given, wanted) = (found.len(), creature.joints().len());
+fn schema_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<BodySchema, String> {
+    let (given, wanted) = (joints.len(), creature.joints().len());
     if given != wanted {
         let name = creature.name();
         return Err(format!("it has {given} joints, but {name} has {wanted}: give one of the same joints"));
     }
     let mut schema = BodySchema::zero(creature);
-    if found.iter().any(|found| found.pose.is_some()) {
+    if joints.iter().any(|(_, entry)| entry.limb_position.is_some()) {
         schema = schema.with_limb_poses();
     }
-    for found in found {
-        let joint = &creature.joints()[found.joint];
+    for (index, entry) in joints {
+        let joint = &creature.joints()[*index];
         let lacks = |what: &str| format!("joint \"{}\" has no {what}: give it", joint.name);
-        schema.positions[found.joint] = found.position.ok_or_else(|| lacks("position"))?;
-        if found.axes.len() != axis_count(joint) {
+        schema.positions[*index] = entry.position.ok_or_else(|| lacks("position"))?.into();
+        let axes = entry.axes(joint);
+        if axes.len() != axis_count(joint) {
             return Err(lacks("axes"));
         }
-        found.axes.iter().for_each(|(k, axis, _)| schema.axes[*k] = *axis);
-        if let Some(pose) = found.pose {
-            schema.limb_poses[found.joint] = pose;
+        axes.into_iter().for_each(|(k, axis, _)| schema.axes[k] = axis);
+        if let Some(pose) = entry.pose()? {
+            schema.limb_poses[*index] = pose;
         }
     }
     check(creature, &schema).map(|()| schema)
 }
 
 /// The standard deviations of all joints; `None` if none is given.
-fn std_of(found: &[Found], creature: &Creature) -> Result<Option<SchemaStd>, String> {
-    let gives = |found: &Found| {
-        let axes = found.axes.iter().map(|(.., std)| std.is_some());
-        [found.position_std.is_some()].into_iter().chain(axes).collect::<Vec<bool>>()
-    };
-    if !found.iter().flat_map(gives).any(|given| given) {
-        return Ok(None);
-    }
-    // One that is misspelt would be unknown in silence.
-    if let Some(without) = found.iter().find(|found| gives(found).contains(&false)) {
-        return Err(format!(
-            "joint \"{}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or leave \
-             out all",
-            creature.joints()[without.joint].name
-        ));
-    }
+fn std_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<Option<SchemaStd>, String> {
     let mut std = SchemaStd {
         positions: vec![[None; 3]; creature.joints().len()],
         axes: vec![None; creature.dof_elements()],
     };
-    let known = |std: f64| Some(std).filter(|std| std.is_finite());
-    for found in found {
-        std.positions[found.joint] = found.position_std.map_or([None; 3], |each| each.map(known));
-        found.axes.iter().for_each(|(k, _, of_axis)| std.axes[*k] = of_axis.and_then(known));
+    let known = |std: Option<f64>| std.filter(|std| std.is_finite());
+    let (mut given, mut without) = (false, None);
+    for (index, entry) in joints {
+        let position = entry.position_std();
+        let axes = entry.axes(&creature.joints()[*index]);
+        let gives = || axes.iter().map(|(.., std)| std.is_some()).chain([position.is_some()]);
+        given |= gives().any(|gives| gives);
+        without = without.or(gives().any(|gives| !gives).then_some(&entry.joint));
+        std.positions[*index] = position.unwrap_or_default().map(known);
+        axes.iter().for_each(|(k, _, of_axis)| std.axes[*k] = of_axis.and_then(known));
     }
-    Ok(Some(std))
-}
-
-/// What is known of a joint before the first touch; `None` if the file says only that nothing is.
-fn known_joint(found: Found, joint: &Joint) -> Result<Option<KnownJoint>, String> {
-    if found.pose.is_some() {
-        return Err(
-            "has the pose of its limb, so that limbs are in frames of their own: give joints that were learned with \
-                    --frames joint"
-                .into(),
-        );
+    match without {
+        _ if !given => Ok(None),
+        None => Ok(Some(std)),
+        // One that is misspelt would be unknown in silence.
+        Some(joint) => Err(format!(
+            "joint \"{joint}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or \
+             leave out all"
+        )),
     }
-    // What is exact has no deviation.
-    let stds = Vector3::from(found.position_std.unwrap_or_default());
-    let position = found.position.map(|position| [position, stds]);
-    let axes = found.axes.into_iter().map(|(k, axis, std)| (k, axis, std.unwrap_or_default()));
-    let axes: Vec<(usize, Vector3<f64>, f64)> = axes.collect();
-    let all: Vec<f64> = { position.iter().flat_map(|[_, std]| std.iter().copied()) }
-        .chain(axes.iter().map(|(.., std)| *std))
-        .collect();
-    let exact = all.iter().all(|std| *std == 0.0);
-    if exact && (position.is_none() || axes.len() < axis_count(joint)) {
-        if position.is_none() && axes.is_empty() {
-            return match found.gives_axes {
-                false => Err("has neither a position nor axes: give what is known, or leave it out".into()),
-                true => Ok(None),
-            };
-        }
-        let missing = if position.is_none() { "position" } else { "axes" };
-        return Err(format!(
-            "has no {missing}, and only a whole joint can be known exactly: give all of it, or deviations (position_std, \
-             axis_std) of what is given"
-        ));
-    }
-    if !exact && all.contains(&0.0) {
-        return Err(
-            "is known exactly in one part and nearly in another: give a deviation (position_std, axis_std) \
-             greater than zero to each part, or to none"
-                .into(),
-        );
-    }
-    let axes: Vec<_> = axes.into_iter().filter(|(.., std)| std.is_finite()).collect();
-    let position = position.filter(|[_, std]| std.iter().any(|std| std.is_finite()));
-    let anything = position.is_some() || !axes.is_empty();
-    Ok(anything.then_some(KnownJoint { joint: found.joint, exact, position, axes }))
 }
 
 fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
