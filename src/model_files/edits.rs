@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::parse::{attributes, first_tag};
 use super::source::text_from;
-use super::tree::{Element, Place};
+use super::tree::Element;
+use super::write::{escape, write};
 
 /// Changes of a file's bytes.
 #[derive(Clone, Debug, Default)]
@@ -37,152 +38,99 @@ impl Edits {
     }
 }
 
-/// Numbers of an attribute as they were and as they are to be.
-pub(crate) struct Change {
-    pub attribute: &'static str,
-    pub old: Vec<f64>,
-    pub new: Vec<f64>,
-    /// What counts as no difference.
-    pub negligible: f64,
+/// A file's bytes with all that differs in a tree of it: numbers that changed and elements that were added. Every other byte
+/// stays as it was. `old` was read from the bytes, and `new` is the same with changes of attributes and more elements.
+pub(crate) fn rewritten(file: &Path, bytes: &[u8], old: &Element, new: &Element) -> Vec<u8> {
+    let mut writer = Rewriter { file, bytes, text: text_from(bytes), edits: Edits::default() };
+    writer.element(old, new);
+    writer.edits.of(bytes)
 }
 
-impl Change {
-    /// A change of which any difference counts.
-    pub fn of(attribute: &'static str, old: impl Into<Vec<f64>>, new: impl Into<Vec<f64>>) -> Change {
-        Change { attribute, old: old.into(), new: new.into(), negligible: 0.0 }
-    }
-
-    /// Whether nothing changes.
-    pub fn is_none(&self) -> bool {
-        self.old.len() == self.new.len() && (0..self.new.len()).all(|i| self.keeps(i))
-    }
-
-    fn keeps(&self, i: usize) -> bool {
-        self.old.get(i).is_some_and(|old| (self.new[i] - old).abs() <= self.negligible)
-    }
-
-    /// The new numbers.
-    pub fn numbers(&self) -> String {
-        super::exact(&self.new)
-    }
-
-    /// The attribute with its new numbers.
-    fn text(&self) -> String {
-        format!(" {}=\"{}\"", self.attribute, self.numbers())
-    }
-}
-
-/// An element of its own line with the new numbers of attributes.
-pub(crate) fn new_element(name: &str, changes: &[Change]) -> String {
-    format!("\n<{name}{}/>", changes.iter().map(Change::text).collect::<String>())
-}
-
-/// The start tag of an element in a file.
-struct Tag {
-    /// Where it begins and ends.
-    at: Range<usize>,
-    /// Where the name and the value without quotes of each attribute are.
-    attributes: Vec<[Range<usize>; 2]>,
-    /// Where its last attribute ends.
-    after_attributes: usize,
-    /// Where the end tag begins; `None` if the start tag closes the element.
-    end_begins: Option<usize>,
-}
-
-/// Changes of an XML file, told by its elements.
-pub(crate) struct XmlEdits<'b> {
+struct Rewriter<'b> {
     file: &'b Path,
     bytes: &'b [u8],
     text: String,
     edits: Edits,
 }
 
-impl<'b> XmlEdits<'b> {
-    /// Of a file that was read; elements of others stay as they are.
-    pub fn new(file: &'b Path, bytes: &'b [u8]) -> XmlEdits<'b> {
-        XmlEdits { file, bytes, text: text_from(bytes), edits: Edits::default() }
-    }
-
-    /// Where an element is; `None` if it is not of this file.
-    fn place<'e>(&self, element: &'e Element) -> Option<&'e Place> {
-        element.place.as_ref().filter(|place| *place.file == *self.file)
-    }
-
-    /// The start tag of an element; `None` if it is not of this file.
-    fn tag(&self, element: &Element) -> Option<Tag> {
-        let &Place { at, end, .. } = self.place(element)?;
-        let (tag, start_ends) = first_tag(&self.text, at)?;
-        let within = |part: Range<usize>| at + 1 + part.start..at + 1 + part.end;
-        let attributes: Vec<_> = attributes(&tag).ok()?.into_iter().map(|own| own.map(within)).collect();
-        Some(Tag {
-            at: at..start_ends,
+impl Rewriter<'_> {
+    fn element(&mut self, old: &Element, new: &Element) {
+        // What stands in other files stays as it is.
+        if let Some(place) = old.place.as_ref().filter(|place| *place.file == *self.file)
+            && let Some((tag, ends)) = first_tag(&self.text, place.at)
+            && let Ok(attributes) = attributes(&tag)
+        {
+            let within = |part: Range<usize>| place.at + 1 + part.start..place.at + 1 + part.end;
+            let attributes: Vec<[Range<usize>; 2]> =
+                attributes.into_iter().map(|own| own.map(within)).collect();
             // A value has a quote behind it.
-            after_attributes: attributes
-                .last()
-                .map_or(at + 1 + tag.name().as_ref().len(), |[_, value]| value.end + 1),
-            attributes,
-            end_begins: self.text[start_ends..end].rfind("</").map(|inside| start_ends + inside),
-        })
+            let bare = place.at + 1 + tag.name().as_ref().len();
+            let behind = attributes.last().map_or(bare, |[_, value]| value.end + 1);
+            self.attributes(&attributes, behind, old, new);
+            self.children(place.at..ends, place.end, new);
+        }
+        let kept = new.children.iter().filter(|child| child.place.is_some());
+        old.children.iter().zip(kept).for_each(|(old, new)| self.element(old, new));
     }
 
-    /// Where the name and the value of an attribute are.
-    fn attribute(&self, tag: &Tag, name: &str) -> Option<[Range<usize>; 2]> {
-        tag.attributes.iter().find(|[own, _]| self.text[own.clone()] == *name).cloned()
-    }
-
-    /// Changes the numbers of an element's attributes; those that stay keep their text.
-    pub fn set(&mut self, element: &Element, changes: &[Change]) {
-        let Some(tag) = self.tag(element) else { return };
-        for change in changes.iter().filter(|change| !change.is_none()) {
-            let Some([_, value]) = self.attribute(&tag, change.attribute) else {
-                self.edits.insert(tag.after_attributes, change.text());
-                continue;
-            };
-            let words = words(self.bytes, &value);
-            if words.len() != change.new.len() {
-                // Its blanks are written in some other way.
-                self.edits.replace(value, change.numbers());
-                continue;
-            }
-            for (i, at) in words.into_iter().enumerate().filter(|(i, _)| !change.keeps(*i)) {
-                self.edits.replace(at, super::exact(&[change.new[i]]));
+    /// Changes the attributes of an element; one that is new takes the place of one that is gone.
+    fn attributes(&mut self, places: &[[Range<usize>; 2]], behind: usize, old: &Element, new: &Element) {
+        let place = |name: &str| places.iter().find(|[own, _]| self.text[own.clone()] == *name).cloned();
+        let mut gone = old.attributes.iter().filter(|(name, _)| !new.has(name));
+        let mut edits = Vec::new();
+        for (name, value) in new.attributes.iter().filter(|(name, value)| old.get(name) != Some(value)) {
+            match place(name) {
+                Some([_, at]) => edits.extend(self.changed(at, value)),
+                None => match gone.next().and_then(|(gone, _)| place(gone)) {
+                    Some([own, at]) => edits.extend([(own, name.clone()), (at, escape(value).into())]),
+                    None => edits.push((behind..behind, format!(" {name}=\"{}\"", escape(value)))),
+                },
             }
         }
+        edits.into_iter().for_each(|(at, text)| self.edits.replace(at, text));
     }
 
-    /// Gives an attribute, or one in the place of another, a text.
-    pub fn put(&mut self, element: &Element, old: &str, new: &str, text: &str) {
-        let Some(tag) = self.tag(element) else { return };
-        match self.attribute(&tag, old) {
-            Some([name, value]) => {
-                self.edits.replace(name, new);
-                self.edits.replace(value, text);
-            }
-            None => self.edits.insert(tag.after_attributes, format!(" {new}=\"{text}\"")),
+    /// What of a value changes: numbers that stay keep their text.
+    fn changed(&self, at: Range<usize>, value: &str) -> Vec<(Range<usize>, String)> {
+        let (old, new) = (words(self.bytes, &at), value.split_ascii_whitespace().collect::<Vec<_>>());
+        if old.len() != new.len() {
+            // Its blanks are written in some other way.
+            return vec![(at, escape(value).into())];
         }
+        let number = |word: &str| word.parse::<f64>().ok();
+        let same = |(at, new): &(Range<usize>, &str)| {
+            let old = &self.text[at.clone()];
+            old == *new || number(old).is_some_and(|old| Some(old) == number(new))
+        };
+        let changed = old.into_iter().zip(new).filter(|word| !same(word));
+        changed.map(|(at, new)| (at, escape(new).into())).collect()
     }
 
-    /// Puts elements into another, each in a line as its children are: before them all, or behind.
-    pub fn add(&mut self, element: &Element, elements: &str, before: bool) {
-        let Some(tag) = self.tag(element) else { return };
-        let own = indentation(self.bytes, tag.at.start);
-        let first = element.children.iter().find_map(|child| self.place(child));
-        let indent = first.map_or(format!("{own}  "), |child| indentation(self.bytes, child.at));
-        let elements = elements.replace('\n', &indent);
-        match tag.end_begins {
+    /// Puts the children of an element that are new each into lines of their own: before those that are there, or behind.
+    fn children(&mut self, tag: Range<usize>, end: usize, new: &Element) {
+        let own = indentation(self.bytes, tag.start);
+        let places = new.children.iter().map(|child| child.place.as_ref());
+        let there = places.clone().flatten().find(|place| *place.file == *self.file);
+        let indent = there.map_or(format!("{own}  "), |place| indentation(self.bytes, place.at));
+        let first = places.clone().position(|place| place.is_some()).unwrap_or(new.children.len());
+        let [before, behind] = [&new.children[..first], &new.children[first..]].map(|children| {
+            let new = children.iter().filter(|child| child.place.is_none());
+            new.map(|child| format!("\n{}", write(child).trim_end()).replace('\n', &indent))
+                .collect::<String>()
+        });
+        match self.text[tag.end..end].rfind("</") {
             // After the last line that is not blank.
-            Some(end) if !before => self.edits.insert(self.bytes[..end].trim_ascii_end().len(), elements),
-            Some(_) => self.edits.insert(tag.at.end, elements),
+            Some(close) => {
+                let last = self.bytes[..tag.end + close].trim_ascii_end().len();
+                let added = [(tag.end, before), (last, behind)];
+                added.into_iter().for_each(|(at, text)| self.edits.insert(at, text));
+            }
+            None if before.is_empty() => {}
             None => {
-                let end = format!(">{elements}{own}</{}>", element.name);
-                self.edits.replace(tag.at.end - "/>".len()..tag.at.end, end);
+                let text = format!(">{before}{own}</{}>", new.name);
+                self.edits.replace(tag.end - "/>".len()..tag.end, text);
             }
         }
-    }
-
-    /// The file with all changes.
-    pub fn written(self) -> Vec<u8> {
-        self.edits.of(self.bytes)
     }
 }
 
@@ -195,16 +143,6 @@ fn words(bytes: &[u8], at: &Range<usize>) -> Vec<Range<usize>> {
         from += word.len() + 1;
     }
     words
-}
-
-/// The negative of a number as it is written.
-pub(crate) fn negative(text: &str) -> String {
-    let text = text.trim();
-    match (text.strip_prefix('-'), text.parse::<f64>()) {
-        (Some(positive), _) => positive.to_string(),
-        (None, Ok(0.0)) => text.to_string(),
-        _ => format!("-{}", text.trim_start_matches('+')),
-    }
 }
 
 /// The line break and the blanks before a place; a line break alone where something else stands there.
@@ -241,14 +179,16 @@ mod tests {
         let source = Source::of_text(Path::new("a.urdf"), &text_from(&bytes)).unwrap();
         let joint = source.root.child("joint").unwrap();
         assert_eq!((joint.place.as_ref().unwrap().line, joint.get("name")), (3, Some("a&b")));
-        let mut edits = XmlEdits::new(Path::new("a.urdf"), &bytes);
-        edits.set(joint, &[Change::of("x", [1.0, 2.0], [1.0, 3.0]), Change::of("y", [0.0], [4.0])]);
-        edits.put(joint, "name", "id", "c");
-        edits.add(&source.root, "\n<link/>", false);
-        edits.add(joint, "\n<axis/>", true);
+        let mut root = source.root.clone();
+        let joint = &mut root.children[0];
+        joint.remove("name");
+        [("x", "1 3"), ("y", "4"), ("id", "c")].iter().for_each(|(name, value)| joint.set(name, *value));
+        joint.children.push(Element::new("axis"));
+        root.children.push(Element::new("link"));
         let expected = text
             .replace("1  2\"/>", "1  3\" y=\"4\">\n    <axis/>\n  </joint>\n  <link/>")
             .replace("name = 'a&amp;b'", "id = 'c'");
-        assert_eq!(String::from_utf8_lossy(&edits.written()[..expected.len()]), expected);
+        let written = rewritten(Path::new("a.urdf"), &bytes, &source.root, &root);
+        assert_eq!(String::from_utf8_lossy(&written[..expected.len()]), expected);
     }
 }

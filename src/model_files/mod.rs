@@ -24,14 +24,14 @@ mod urdf_tree;
 mod write;
 
 pub(crate) use checks::check as check_source;
-pub(crate) use edits::{Change, Edits, XmlEdits, negative, new_element};
+pub(crate) use edits::{Edits, rewritten};
 pub use left_out::LeftOut;
 pub(crate) use mesh_files::unreadable_mesh;
 pub(crate) use pose::{Angles, ORIENTATIONS};
 pub(crate) use source::{Refused, Source, begins_as, first_letter};
 pub(crate) use tree::{Element, element};
 pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};
-pub(crate) use write::{escape, exact, write};
+pub(crate) use write::{exact, write};
 
 /// Half the thickness of a receptor's site, metres.
 pub(crate) const HALF_THICKNESS: f64 = 0.0008;

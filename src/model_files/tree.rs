@@ -128,6 +128,14 @@ impl Element {
         &mut self.children[at]
     }
 
+    /// The element in it that stands at a place.
+    pub fn at(&mut self, place: &Place) -> Option<&mut Element> {
+        if self.place.as_ref() == Some(place) {
+            return Some(self);
+        }
+        self.children.iter_mut().find_map(|child| child.at(place))
+    }
+
     /// Visits it and all in it.
     pub fn each(&mut self, change: &mut dyn FnMut(&mut Element)) {
         change(self);

@@ -16,8 +16,7 @@ use crate::calibration::robot::{Element, Form, Posed, Robot, RobotDof, Value};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
 use crate::model_files::{
-    Angles, Change, Element as Tag, ORIENTATIONS, Origin, Refused, Source, UrdfTree, XmlEdits, escape, exact,
-    negative, new_element,
+    Angles, Element as Tag, ORIENTATIONS, Origin, Refused, Source, UrdfTree, element, exact, rewritten,
 };
 
 /// A pose or a size that a file says is the one that was read if it is no farther from it, metres and radians.
@@ -53,7 +52,7 @@ pub fn write_xml(
         nominal: robot.nominal(),
         values,
         angles: (!is_urdf).then(|| Angles::of(&source.root)),
-        edits: XmlEdits::new(path, original),
+        root: source.root.clone(),
         said: vec![false; own[1]],
     };
     places.iter().for_each(|place| writer.place(place));
@@ -74,7 +73,7 @@ pub fn write_xml(
             unsaid.join(", ")
         ));
     }
-    Ok(Written { bytes: writer.edits.written(), left_out })
+    Ok(Written { bytes: rewritten(path, original, &source.root, &writer.root), left_out })
 }
 
 /// Where a file says what there is of a link.
@@ -141,7 +140,8 @@ struct Writer<'a> {
     values: &'a [Value],
     /// How MJCF gives its angles; none of URDF.
     angles: Option<Angles>,
-    edits: XmlEdits<'a>,
+    /// The file's tree with the new numbers.
+    root: Tag,
     /// Per quantity of the file's own whether it was found there.
     said: Vec<bool>,
 }
@@ -171,44 +171,58 @@ impl Writer<'_> {
             }
         }
         [shift, turn].into_iter().for_each(|q| self.said[*q] = true);
-        let mut missing = String::new();
         for (dof, joint) in place.joints.iter().filter(|(dof, _)| elements.contains(&Element::Dof(*dof))) {
-            missing += &self.joint(joint, *dof, &mut new);
+            self.joint(joint, *dof, &mut new);
         }
-        self.pose(tag, &old, &new, missing);
+        self.pose(tag, &old, &new);
         self.radii(place);
     }
 
-    /// Writes a pose; `missing` are elements that a joint of URDF is to have as well.
-    fn pose(&mut self, tag: &Tag, old: &Frame, new: &Frame, mut missing: String) {
-        let turned = new.rotation != old.rotation;
-        if self.angles.is_some() {
-            self.edits.set(tag, &[Change::of("pos", old.origin.as_slice(), new.origin.as_slice())]);
-            let own = ORIENTATIONS.into_iter().find(|name| tag.has(name)).unwrap_or("quat");
-            if turned {
-                self.edits.put(tag, own, "quat", &exact(&new.wxyz()));
+    /// An element, to be changed.
+    fn edited(&mut self, tag: &Tag) -> &mut Tag {
+        let place = tag.place.as_ref().expect("it is of a file");
+        self.root.at(place).expect("it is of this tree")
+    }
+
+    /// Writes a pose.
+    fn pose(&mut self, tag: &Tag, old: &Frame, new: &Frame) {
+        let (moved, turned) = (new.origin != old.origin, new.rotation != old.rotation);
+        if !moved && !turned {
+            return;
+        }
+        let is_urdf = self.angles.is_none();
+        let edited = self.edited(tag);
+        if is_urdf {
+            let said = Origin::of(tag);
+            let mut to = if turned { turns(&new.rotation, said.turns) } else { said.turns };
+            for (to, said) in to.iter_mut().zip(said.turns) {
+                if (*to - said).abs() <= TURN_ROUNDING {
+                    *to = said;
+                }
+            }
+            let origin = first_child(edited, "origin");
+            for (name, changed, numbers) in
+                [("xyz", moved, new.origin.as_slice()), ("rpy", to != said.turns, &to)]
+            {
+                if changed {
+                    origin.set(name, exact(numbers));
+                }
             }
             return;
         }
-        let said = Origin::of(tag);
-        let to = if turned { turns(&new.rotation, said.turns) } else { said.turns };
-        let turn = Change { negligible: TURN_ROUNDING, ..Change::of("rpy", said.turns, to) };
-        let mut changes = vec![Change::of("xyz", said.place.as_slice(), new.origin.as_slice()), turn];
-        changes.retain(|change| !change.is_none());
-        match tag.child("origin") {
-            _ if changes.is_empty() => {}
-            Some(origin) => self.edits.set(origin, &changes),
-            None => missing.insert_str(0, &new_element("origin", &changes)),
+        if moved {
+            edited.set("pos", exact(&new.origin));
         }
-        if !missing.is_empty() {
-            self.edits.add(tag, &missing, true);
+        if turned {
+            ORIENTATIONS.iter().for_each(|name| drop(edited.remove(name)));
+            edited.set("quat", exact(&new.wxyz()));
         }
     }
 
-    /// A joint's axis, and where its coordinate begins, which in URDF moves its pose; the axis as an element where URDF has none.
-    fn joint(&mut self, tag: &Tag, dof: usize, pose: &mut Frame) -> String {
+    /// A joint's axis, and where its coordinate begins, which in URDF moves its pose.
+    fn joint(&mut self, tag: &Tag, dof: usize, pose: &mut Frame) {
         let about = &self.robot.dofs[dof];
-        let Some(q) = about.quantities else { return String::new() };
+        let Some(q) = about.quantities else { return };
         [q.axis, q.sign, q.offset].into_iter().for_each(|q| self.said[q] = true);
         let (was, mut axis) = (self.nominal[q.axis].vector(), self.values[q.axis].vector());
         if self.robot.leads(dof) {
@@ -217,7 +231,9 @@ impl Writer<'_> {
                 (Some(angles), kind) => {
                     let written = |x: f64| if kind == DofKind::Hinge { angles.written(x) } else { x };
                     let [before, now] = [self.nominal[q.offset].number(), sign * offset].map(|x| written(-x));
-                    self.edits.set(tag, &[Change::of("ref", [before], [now])]);
+                    if before != now {
+                        self.edited(tag).set("ref", exact(&[now]));
+                    }
                 }
                 (None, _) if offset == 0.0 => {}
                 (None, DofKind::Slide) => pose.origin += pose.rotation * axis * offset,
@@ -230,52 +246,43 @@ impl Writer<'_> {
                 self.turn_limits_round(tag, dof);
             }
         }
-        let (holder, name) =
-            if self.angles.is_some() { (Some(tag), "axis") } else { (tag.child("axis"), "xyz") };
-        // Where the file's axis is not of length 1, none of its numbers stays.
-        let given = holder.filter(|_| axis != was).map(|holder| holder.numbers(name));
-        let given = given.filter(|given| !given.is_empty()).unwrap_or(was.as_slice().to_vec());
-        let change = Change::of(name, given, axis.as_slice());
-        match holder {
-            _ if axis == was => String::new(),
-            None => new_element("axis", &[change]),
-            Some(holder) => {
-                self.edits.set(holder, &[change]);
-                String::new()
+        if axis != was {
+            let is_urdf = self.angles.is_none();
+            let joint = self.edited(tag);
+            match is_urdf {
+                true => first_child(joint, "axis").set("xyz", exact(&axis)),
+                false => joint.set("axis", exact(&axis)),
             }
         }
     }
 
     /// The limits of an axis that points the other way: each is the other's negative. Without any they are even about `ref`.
     fn turn_limits_round(&mut self, joint: &Tag, dof: usize) {
+        let RobotDof { range, kind, quantities, .. } = &self.robot.dofs[dof];
         let Some(angles) = &self.angles else {
             for (child, lower, upper) in
                 [("limit", "lower", "upper"), ("safety_controller", "soft_lower_limit", "soft_upper_limit")]
             {
                 let Some(limit) = joint.child(child) else { continue };
+                // A limit that is not given is 0.
                 for (name, other) in [(lower, upper), (upper, lower)] {
-                    let opposite = limit.get(other).map(negative);
-                    // A limit that is not given is 0.
-                    if limit.has(name) || opposite.is_some() {
-                        self.edits.put(limit, name, name, opposite.as_deref().unwrap_or("0"));
+                    if limit.has(name) || limit.has(other) {
+                        let opposite = -limit.number(other).unwrap_or_default();
+                        self.edited(limit).set(name, exact(&[opposite]));
                     }
                 }
             }
             return;
         };
-        let RobotDof { range, kind, quantities, .. } = &self.robot.dofs[dof];
         let at_zero = quantities.is_some_and(|q| self.nominal[q.offset].number() == 0.0);
-        let given = joint.get("range").map(|own| own.split_ascii_whitespace().collect::<Vec<_>>());
-        let text = match given.as_deref() {
-            Some([low, high]) => format!("{} {}", negative(high), negative(low)),
+        let written = |x: f64| if *kind == DofKind::Hinge { angles.written(x) } else { x };
+        let limits = match joint.numbers("range").as_slice() {
+            [low, high] => [-high, -low],
             // Those of a default class.
-            None if at_zero && range[0] + range[1] != 0.0 => {
-                let written = |x: f64| if *kind == DofKind::Hinge { angles.written(x) } else { x };
-                exact(&[written(-range[1]), written(-range[0])])
-            }
+            _ if at_zero && range[0] + range[1] != 0.0 => [range[1], range[0]].map(|limit| written(-limit)),
             _ => return,
         };
-        self.edits.put(joint, "range", "range", &text);
+        self.edited(joint).set("range", exact(&limits));
     }
 
     /// The radii of a link's spheres.
@@ -305,11 +312,8 @@ impl Writer<'_> {
             }
             self.said[q] = true;
             if self.values[q] != self.nominal[q] {
-                let new = [self.number(q)]
-                    .into_iter()
-                    .chain(old.iter().copied().take(3).skip(1))
-                    .collect::<Vec<_>>();
-                self.edits.set(tag, &[Change::of(attribute, old, new)]);
+                let new = exact([&self.number(q)].into_iter().chain(old.iter().take(3).skip(1)));
+                self.edited(tag).set(attribute, new);
             }
         }
     }
@@ -342,16 +346,16 @@ impl Writer<'_> {
                 _ if old == new || !new[1].is_finite() => {}
                 None => unsaid.push(format!("{name}.gain, {name}.offset")),
                 Some(entry) if self.angles.is_some() => {
-                    let given =
-                        if entry.has("polycoef") { entry.numbers("polycoef") } else { vec![0.0, 1.0] };
-                    let new = new.into_iter().chain(given.iter().copied().skip(2)).collect::<Vec<_>>();
-                    self.edits.set(entry, &[Change::of("polycoef", given, new)]);
+                    let rest = entry.numbers("polycoef");
+                    let new = exact(new.iter().chain(rest.iter().skip(2)));
+                    self.edited(entry).set("polycoef", new);
                 }
                 Some(entry) => {
-                    let given = |name: &str, default: f64| [entry.number(name).unwrap_or(default)];
-                    let shift = Change::of("offset", given("offset", 0.0), [new[0]]);
-                    self.edits
-                        .set(entry, &[Change::of("multiplier", given("multiplier", 1.0), [new[1]]), shift]);
+                    for (name, default, new) in [("multiplier", 1.0, new[1]), ("offset", 0.0, new[0])] {
+                        if entry.number(name).unwrap_or(default) != new {
+                            self.edited(entry).set(name, exact(&[new]));
+                        }
+                    }
                 }
             }
         }
@@ -373,7 +377,6 @@ impl Writer<'_> {
     fn added(&mut self, places: &[Place], count: usize) -> Vec<String> {
         let rest = self.robot.zero_posture();
         let posed = Posed::new(self.robot, self.values, &rest);
-        let mut texts = vec![String::new(); places.len()];
         let mut unsaid = Vec::new();
         for (index, link) in self.robot.links.iter().enumerate().skip(count) {
             let mut path = vec![index];
@@ -386,32 +389,38 @@ impl Writer<'_> {
             if pose == Frame::identity() || !is_to_be_found(self.robot, index) {
                 continue;
             }
-            let Some(place) = places.iter().position(|place| place.link == on) else {
+            let Some(place) = places.iter().find(|place| place.link == on) else {
                 unsaid.push(link.name.clone());
                 continue;
             };
-            let (name, parent) = (escape(&link.name), escape(&self.robot.links[on].name));
-            let zero = [0.0; 3];
-            let origin = pose.origin.as_slice();
-            texts[place] += &if self.angles.is_some() {
-                let turn = Change::of("quat", [], pose.wxyz());
-                new_element(&format!("body name=\"{name}\""), &[Change::of("pos", zero, origin), turn])
-            } else {
-                let turn = Change::of("rpy", zero, turns(&pose.rotation, zero));
-                let origin = new_element("origin", &[Change::of("xyz", zero, origin), turn]);
-                format!(
-                    "\n<link name=\"{name}\"/>\n<joint name=\"{name}.joint\" type=\"fixed\">\n  <parent \
-                     link=\"{parent}\"/>\n  <child link=\"{name}\"/>{}\n</joint>",
-                    origin.replace('\n', "\n  ")
-                )
-            };
-        }
-        for (place, text) in places.iter().zip(texts).filter(|(_, text)| !text.is_empty()) {
-            let into = if self.angles.is_some() { place.tag } else { &self.source.root };
-            self.edits.add(into, &text, false);
+            let name = ("name", link.name.clone());
+            if self.angles.is_some() {
+                let pose = [("pos", exact(&pose.origin)), ("quat", exact(&pose.wxyz()))];
+                let body = element("body", &[[name].as_slice(), &pose].concat());
+                self.edited(place.tag).children.push(body);
+                continue;
+            }
+            let turns = exact(&turns(&pose.rotation, [0.0; 3]));
+            let joint = [("name", format!("{}.joint", link.name)), ("type", "fixed".into())];
+            let parts = vec![
+                element("parent", &[("link", self.robot.links[on].name.clone())]),
+                element("child", &[("link", link.name.clone())]),
+                element("origin", &[("xyz", exact(&pose.origin)), ("rpy", turns)]),
+            ];
+            let joint = Tag { children: parts, ..element("joint", &joint) };
+            self.root.children.extend([element("link", &[name]), joint]);
         }
         unsaid
     }
+}
+
+/// The child of a name, which becomes the first where there is none.
+fn first_child<'t>(tag: &'t mut Tag, name: &str) -> &'t mut Tag {
+    let found = tag.children.iter().position(|child| child.name == name);
+    if found.is_none() {
+        tag.children.insert(0, Tag::new(name));
+    }
+    &mut tag.children[found.unwrap_or(0)]
 }
 
 /// Whether a link's pose at rest was to be found.
