@@ -9,8 +9,8 @@ use crate::agent::Agent;
 use crate::evaluation::{CramerRaoBound, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
+use crate::named::listed;
 use crate::senses::{RecordedTouch, limb_pairs};
-use crate::session::words::listed;
 use crate::session::{
     BabbledSession, DisturbanceLevels, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer,
     TOUCHES_FILE, TouchLog, learn_session, read_touches,

@@ -93,71 +93,29 @@ fn three<'t>(mut tokens: impl Iterator<Item = &'t str>) -> Option<[f32; 3]> {
     Some([next()?, next()?, next()?])
 }
 
-/// Its corners are the first of its elements, as text or in bytes.
+/// PLY of text: its corners are the first of its elements.
 fn ply(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
-    const END: &[u8] = b"end_header";
-    let end = bytes.windows(END.len()).position(|window| window == END)?;
-    let head = String::from_utf8_lossy(&bytes[..end]);
-    let body = &bytes[end + END.len()..];
-    let body = &body[body.iter().position(|&byte| byte == b'\n')? + 1..];
-    let mut lines = head.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let text = String::from_utf8_lossy(bytes);
+    let mut lines = text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
     (lines.next()? == ["ply"]).then_some(())?;
-    let (mut format, mut count, mut properties) = (None, None, Vec::new());
-    for line in lines {
-        match line.as_slice() {
-            ["format", kind, _] => format = Some(kind.to_string()),
+    let (mut count, mut names) = (None, Vec::new());
+    loop {
+        match lines.next()?.as_slice() {
+            ["format", "ascii", _] | ["comment" | "obj_info", ..] => {}
             ["element", "vertex", number] if count.is_none() => count = Some(number.parse::<usize>().ok()?),
+            ["property", _, name] => names.push(name.to_string()),
+            ["end_header"] => break,
             // Where corners are comes after what there is of them; elements before them are not known of.
-            ["element", ..] if count.is_none() => return None,
-            ["element", ..] => break,
-            ["property", kind, name] => properties.push((kind.to_string(), name.to_string())),
-            ["property", ..] => return None,
-            _ => {}
+            _ if count.is_none() => return None,
+            _ => names.push(String::new()),
         }
     }
-    let at = |name: &str| properties.iter().position(|(_, own)| own == name);
+    let at = |name: &str| names.iter().position(|own| own == name);
     let places = [at("x")?, at("y")?, at("z")?];
-    let count = count?;
-    if format.as_deref() == Some("ascii") {
-        let text = String::from_utf8_lossy(body);
-        let rows = text.lines().take(count).map(|line| line.split_whitespace().collect::<Vec<_>>());
-        let corners = rows.map(|row| three(places.into_iter().filter_map(|k| row.get(k).copied())));
-        let corners: Vec<[f32; 3]> = corners.collect::<Option<_>>()?;
-        return (corners.len() == count).then_some(corners);
-    }
-    let little = match format?.as_str() {
-        "binary_little_endian" => true,
-        "binary_big_endian" => false,
-        _ => return None,
-    };
-    let sizes: Vec<usize> = properties.iter().map(|(kind, _)| size(kind)).collect::<Option<_>>()?;
-    let start = |property: usize| sizes[..property].iter().sum::<usize>();
-    let row: usize = sizes.iter().sum();
-    let rows = body.get(..row.checked_mul(count)?)?.chunks_exact(row);
-    let number = |row: &[u8], property: usize| {
-        let mut bytes = row[start(property)..start(property) + sizes[property]].to_vec();
-        if !little {
-            bytes.reverse();
-        }
-        match properties[property].0.as_str() {
-            "float" | "float32" => Some(f32::from_le_bytes(bytes.try_into().ok()?)),
-            "double" | "float64" => Some(f64::from_le_bytes(bytes.try_into().ok()?) as f32),
-            _ => None,
-        }
-    };
-    rows.map(|row| Some([number(row, places[0])?, number(row, places[1])?, number(row, places[2])?]))
-        .collect()
-}
-
-/// The bytes of a number of PLY.
-fn size(kind: &str) -> Option<usize> {
-    match kind {
-        "char" | "uchar" | "int8" | "uint8" => Some(1),
-        "short" | "ushort" | "int16" | "uint16" => Some(2),
-        "int" | "uint" | "int32" | "uint32" | "float" | "float32" => Some(4),
-        "double" | "float64" => Some(8),
-        _ => None,
-    }
+    let rows = lines.take(count?);
+    let corners = rows.map(|row| three(places.into_iter().filter_map(|k| row.get(k).copied())));
+    let corners: Vec<[f32; 3]> = corners.collect::<Option<_>>()?;
+    (Some(corners.len()) == count).then_some(corners)
 }
 
 #[cfg(test)]
@@ -197,24 +155,11 @@ mod tests {
             read("a.obj", format!("# v\n{}f 1 2 3\n{}", lines("v"), lines("v")).as_bytes()).unwrap(),
             CORNERS
         );
-        let head = |format: &str, kind: &str| {
-            format!(
-                "ply\nformat {format} 1.0\nelement vertex 4\nproperty uchar red\nproperty {kind} x\nproperty {kind} y\n\
-                 property {kind} z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"
-            )
-        };
-        assert_eq!(read("a.ply", (head("ascii", "float") + &lines("7")).as_bytes()).unwrap(), CORNERS);
-        let mut little = head("binary_little_endian", "double").into_bytes();
-        let mut big = head("binary_big_endian", "float").into_bytes();
-        for corner in CORNERS {
-            little.push(7);
-            little.extend(corner.iter().flat_map(|&x| f64::from(x).to_le_bytes()));
-            big.push(7);
-            big.extend(corner.iter().flat_map(|x| x.to_be_bytes()));
-        }
-        assert_eq!(read("a.ply", &little).unwrap(), CORNERS);
-        assert_eq!(read("a.ply", &big).unwrap(), CORNERS);
-        assert_eq!(read("a.ply", &big[..big.len() - 1]), None, "it is cut off");
+        let head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty uchar red\nproperty float x\nproperty float y\n\
+                    property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
+        let ply = format!("{head}{}", lines("7"));
+        assert_eq!(read("a.ply", ply.as_bytes()).unwrap(), CORNERS);
+        assert_eq!(read("a.ply", &ply.as_bytes()[..ply.len() - 8]), None, "it is cut off");
     }
 
     #[test]

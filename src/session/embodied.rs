@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::observer::Observer;
-use super::words::listed;
 use crate::agent::Agent;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::creature::{Body, Creature, CreatureInFile, JointSelection, creatures};
@@ -12,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::ground_truth::GroundTruth;
 use crate::learning::growth::Growth;
 use crate::mujoco::Model;
+use crate::named::listed;
 use crate::senses::RecordedTouch;
 use crate::simulation::{MotionName, Movers};
 use crate::skin::{GrowOptions, Skin, grow_counted};

@@ -2,9 +2,9 @@
 
 use super::disturbance_levels::DisturbanceLevels;
 use super::learning_options::LearningOptions;
-use super::words::listed;
 use crate::creature::Creature;
 use crate::learning::{Account, BodyChange, Learned, LimbFrames, Verdict, What};
+use crate::named::listed;
 use crate::session::Session;
 
 /// What the report says of how it was learned.

@@ -7,7 +7,6 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
 use super::disturbance_levels::DisturbanceLevels;
-use super::words::listed;
 use crate::agent::Agent;
 use crate::babbling::PolicyName;
 use crate::creature::{Creature, DofKind};
@@ -19,6 +18,7 @@ use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUse
 use crate::learning::{
     Input, KnownJoint, Learner, LearnerInUnit, LengthUnit, LimbFrames, SecondOrder, SkinKnowledge,
 };
+use crate::named::listed;
 use crate::schema::BodySchema;
 use crate::session::{Session, read_known};
 use crate::skin::Receptor;

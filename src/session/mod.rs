@@ -45,7 +45,6 @@ mod stroked;
 mod touch_line;
 mod touch_reader;
 mod touch_writer;
-pub(crate) mod words;
 
 pub use account::RecordedAccount;
 pub(crate) use babbling::ResumedSession;

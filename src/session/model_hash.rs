@@ -1,6 +1,5 @@
 //! A model's fingerprint: by it a session knows whether its model has changed.
 
-use std::fmt::Write;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -24,10 +23,6 @@ pub fn model_hash(path: &Path) -> Result<String, Error> {
     for included in &Source::of_bytes(path, &bytes)?.files[1..] {
         hash.update(files::read(included)?);
     }
-    let mut text = String::from("sha256:");
-    for byte in hash.finalize() {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-    Ok(text)
+    let digits = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    Ok(format!("sha256:{digits}"))
 }

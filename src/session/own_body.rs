@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::words::listed;
 use crate::creature::Posture;
 use crate::error::Error;
 use crate::evaluation::is_hand;
 use crate::learning::Certainty;
+use crate::named::listed;
 use crate::peripersonal::OwnBody;
 use crate::session::{
     LearningRecord, ReadLock, SCHEMA_FILE, Session, TOUCHES_FILE, read_schema, read_touches,

@@ -6,7 +6,7 @@ use super::{FILES, save};
 use crate::cli::babble::{BabbleArguments, Job};
 use crate::cli::folders::{Force, free_folder, session_folder, written_session};
 use crate::cli::{Failure, Outcome};
-use crate::session::words::listed;
+use crate::named::listed;
 use crate::session::{
     BabbledShares, BabblingSession, FolderLock, Observer, SESSION_FILE, STUDY_FILE, ShareRecord, Shares,
     Unready,

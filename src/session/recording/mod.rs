@@ -19,11 +19,11 @@ use super::UNIT_LENGTH;
 use super::log::table::{CellFault, LIMBS, POINTS, RECEPTORS};
 use super::log::{Log, LogEnd, LogJoint, far_angles};
 use super::touch_line::check;
-use super::words::listed;
 use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
 use crate::creature::{Creature, DofKind, Posture};
 use crate::error::Error;
+use crate::named::listed;
 use crate::senses::{ExactContact, Input, RecordedTouch, Touch, TouchEnd};
 use crate::skin::{Receptor, Skin};
 

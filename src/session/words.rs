@@ -1,3 +1,0 @@
-//! Words that several experiments use.
-
-pub(crate) use crate::named::listed;
