@@ -2,15 +2,14 @@
 
 mod csv;
 mod mjcf;
-mod reachable;
 mod urdf;
 mod vtk;
 
 use std::path::{Path, PathBuf};
 
 pub use mjcf::to_mjcf;
-pub use reachable::{about, reachable_vtk};
 pub use urdf::{Urdf, to_urdf};
+pub use vtk::{about, reachable_vtk};
 
 use crate::agent::Agent;
 use crate::creature::Creature;

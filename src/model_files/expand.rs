@@ -8,9 +8,9 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::checks;
 use super::defaults::Defaults;
-use super::left_out::LeftOut;
-use super::mesh_files::{MeshFolder, mesh_name};
+use super::meshes::{MeshFolder, mesh_name};
 use super::pose::{Angles, ORIENTATIONS, set_pose};
+use super::reduce::LeftOut;
 use super::references::{Name, names, rename, repeated, stands};
 use super::source::{Refused, Source, folder_of, with_slashes};
 use super::tree::{Element, numbers};

@@ -3,19 +3,14 @@
 
 mod checks;
 mod defaults;
-mod edits;
 mod expand;
 mod hulls;
-mod left_out;
 mod loading;
-mod mesh_corners;
-mod mesh_files;
-mod parse;
+mod meshes;
 mod pose;
 mod reduce;
 mod references;
 mod refusal;
-mod schema;
 mod source;
 mod tree;
 mod urdf;
@@ -24,14 +19,13 @@ mod urdf_tree;
 mod write;
 
 pub(crate) use checks::check as check_source;
-pub(crate) use edits::{Edits, rewritten};
-pub use left_out::LeftOut;
-pub(crate) use mesh_files::unreadable_mesh;
+pub(crate) use meshes::unreadable_mesh;
 pub(crate) use pose::{Angles, ORIENTATIONS};
+pub use reduce::LeftOut;
 pub(crate) use source::{Refused, Source, begins_as, first_letter};
 pub(crate) use tree::{Element, element};
 pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};
-pub(crate) use write::{exact, write};
+pub(crate) use write::{Edits, exact, rewritten, write};
 
 /// Half the thickness of a receptor's site, metres.
 pub(crate) const HALF_THICKNESS: f64 = 0.0008;

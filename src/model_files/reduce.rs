@@ -9,11 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::expand::{Expanded, REFERENCES};
-use super::left_out::LeftOut;
-use super::mesh_corners::kind;
-use super::mesh_files::{fault, mesh_name, take_corners};
+use super::meshes::kind;
+use super::meshes::{fault, mesh_name, take_corners};
 use super::references::{Name, names, stands};
-use super::schema::Schema;
 use super::source::{Refused, Source};
 use super::tree::{Element, element, is_of};
 use crate::named::did_you_mean;
@@ -222,4 +220,93 @@ fn known(one: &mut Element, section: &str, schema: &Schema, left_out: &mut LeftO
         kept
     });
     one.children.iter_mut().for_each(|child| known(child, section, schema, left_out));
+}
+
+/// What was left out of a model's file, each with its number.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Parts of the body that could not be read.
+    pub lost: BTreeMap<String, usize>,
+    /// What has nothing to do with where limbs are and what they touch.
+    pub unneeded: BTreeMap<String, usize>,
+    /// Entries of `<equality>` that couple joints or close the tree, and are not heeded.
+    pub unheeded: usize,
+    /// What was read otherwise than it stands there, or looks odd, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl LeftOut {
+    /// Whether nothing was.
+    pub fn is_empty(&self) -> bool {
+        self.lost.is_empty() && self.unneeded.is_empty()
+    }
+
+    pub(crate) fn lose(&mut self, what: impl Into<String>, count: usize) {
+        if count > 0 {
+            *self.lost.entry(what.into()).or_default() += count;
+        }
+    }
+
+    pub(crate) fn spare(&mut self, what: impl Into<String>) {
+        *self.unneeded.entry(what.into()).or_default() += 1;
+    }
+
+    /// What was left out, for a sentence: what is lost of the body by name, all else as a number of kinds; none where
+    /// nothing was.
+    pub fn in_words(&self) -> Option<String> {
+        const SHOWN: usize = 4;
+        let kinds = |count: usize, of: &str| match count {
+            0 => None,
+            1 => Some(format!("1 kind of {of}")),
+            count => Some(format!("{count} kinds of {of}")),
+        };
+        let lost = self.lost.iter().take(SHOWN).map(|(what, count)| counted(what, *count));
+        let more = kinds(self.lost.len().saturating_sub(SHOWN), "other part of the body");
+        let unneeded = kinds(self.unneeded.len(), "part that a body schema does not need");
+        let all: Vec<String> = lost.chain(more).chain(unneeded).collect();
+        (!all.is_empty()).then(|| all.join(", "))
+    }
+}
+
+/// A thing with its number.
+fn counted(what: &str, count: usize) -> String {
+    if count == 1 { what.to_string() } else { format!("{what} ({count} times)") }
+}
+
+/// What the engine knows: attributes per element, by the section it is in.
+pub(crate) struct Schema {
+    attributes: BTreeMap<(String, String), BTreeSet<String>>,
+}
+
+impl Schema {
+    /// Reads what `mj_printSchema` prints: an element a line, indented by three spaces a level, its attributes from
+    /// column 30 on and in further lines.
+    pub fn parse(text: &str) -> Schema {
+        const COLUMN: usize = 30;
+        const INDENT: usize = 3;
+        let mut attributes: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
+        let mut path: Vec<String> = Vec::new();
+        for line in text.lines() {
+            let (head, tail) = line.split_at_checked(COLUMN).unwrap_or((line, ""));
+            if let Some(name) = head.split_whitespace().next() {
+                let depth = (head.len() - head.trim_start().len()) / INDENT;
+                path.truncate(depth);
+                path.push(if name == "(world)body" { "body".into() } else { name.to_string() });
+            }
+            let section = path.get(1).cloned().unwrap_or_default();
+            let element = path.last().cloned().unwrap_or_default();
+            attributes
+                .entry((section, element))
+                .or_default()
+                .extend(tail.split_whitespace().map(str::to_string));
+        }
+        Schema { attributes }
+    }
+
+    /// Whether an element of a section may have an attribute.
+    pub fn knows(&self, section: &str, element: &str, attribute: &str) -> bool {
+        let section = if section == "worldbody" { "body" } else { section };
+        let known = self.attributes.get(&(section.to_string(), element.to_string()));
+        known.is_some_and(|known| known.contains(attribute))
+    }
 }

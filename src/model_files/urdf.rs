@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
-use super::left_out::LeftOut;
-use super::mesh_files::{MeshFolder, file_fault};
+use super::meshes::{MeshFolder, file_fault};
 use super::pose::{onto, set_pose};
+use super::reduce::LeftOut;
 use super::reduce::Reduced;
 use super::source::{Refused, Source};
 use super::tree::{Element, element};

@@ -1,7 +1,12 @@
-//! Writing a tree as XML: an element a line, so that a line shows which element it is.
+//! Writing a tree as XML: as a text of its own, an element a line, or into the file that it is from, where every other byte stays
+//! as it was.
 
-pub(crate) use quick_xml::escape::escape;
+use std::ops::Range;
+use std::path::Path;
 
+use quick_xml::escape::escape;
+
+use super::source::{attributes, first_tag, text_from};
 use super::tree::Element;
 
 /// Elements lie in each other at most so deep in one text: MuJoCo's XML reader takes 100 levels.
@@ -100,4 +105,189 @@ pub(crate) fn numbered(root: &mut Element, number: usize) -> Option<&mut Element
         element.children.iter_mut().find_map(|child| within(child, left))
     }
     within(root, &mut { number })
+}
+
+/// Changes of a file's bytes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Edits(Vec<(Range<usize>, String)>);
+
+impl Edits {
+    /// Puts a text in the place of another.
+    pub fn replace(&mut self, at: Range<usize>, text: impl Into<String>) {
+        self.0.push((at, text.into()));
+    }
+
+    /// Puts a text before a byte, after what was put there before it.
+    pub fn insert(&mut self, at: usize, text: impl Into<String>) {
+        self.replace(at..at, text);
+    }
+
+    /// The file with all changes, which must not overlap.
+    pub fn of(mut self, bytes: &[u8]) -> Vec<u8> {
+        self.0.sort_by_key(|(at, _)| at.start);
+        let mut written = Vec::with_capacity(bytes.len());
+        let mut done = 0;
+        for (at, text) in self.0 {
+            written.extend_from_slice(&bytes[done..at.start]);
+            written.extend_from_slice(text.as_bytes());
+            done = at.end;
+        }
+        written.extend_from_slice(&bytes[done..]);
+        written
+    }
+}
+
+/// A file's bytes with all that differs in a tree of it: numbers that changed and elements that were added. Every other byte
+/// stays as it was. `old` was read from the bytes, and `new` is the same with changes of attributes and more elements.
+pub(crate) fn rewritten(file: &Path, bytes: &[u8], old: &Element, new: &Element) -> Vec<u8> {
+    let mut writer = Rewriter { file, bytes, text: text_from(bytes), edits: Edits::default() };
+    writer.element(old, new);
+    writer.edits.of(bytes)
+}
+
+struct Rewriter<'b> {
+    file: &'b Path,
+    bytes: &'b [u8],
+    text: String,
+    edits: Edits,
+}
+
+impl Rewriter<'_> {
+    fn element(&mut self, old: &Element, new: &Element) {
+        // What stands in other files stays as it is.
+        if let Some(place) = old.place.as_ref().filter(|place| *place.file == *self.file)
+            && let Some((tag, ends)) = first_tag(&self.text, place.at)
+            && let Ok(attributes) = attributes(&tag)
+        {
+            let within = |part: Range<usize>| place.at + 1 + part.start..place.at + 1 + part.end;
+            let attributes: Vec<[Range<usize>; 2]> =
+                attributes.into_iter().map(|own| own.map(within)).collect();
+            // A value has a quote behind it.
+            let bare = place.at + 1 + tag.name().as_ref().len();
+            let behind = attributes.last().map_or(bare, |[_, value]| value.end + 1);
+            self.attributes(&attributes, behind, old, new);
+            self.children(place.at..ends, place.end, new);
+        }
+        let kept = new.children.iter().filter(|child| child.place.is_some());
+        old.children.iter().zip(kept).for_each(|(old, new)| self.element(old, new));
+    }
+
+    /// Changes the attributes of an element; one that is new takes the place of one that is gone.
+    fn attributes(&mut self, places: &[[Range<usize>; 2]], behind: usize, old: &Element, new: &Element) {
+        let place = |name: &str| places.iter().find(|[own, _]| self.text[own.clone()] == *name).cloned();
+        let mut gone = old.attributes.iter().filter(|(name, _)| !new.has(name));
+        let mut edits = Vec::new();
+        for (name, value) in new.attributes.iter().filter(|(name, value)| old.get(name) != Some(value)) {
+            match place(name) {
+                Some([_, at]) => edits.extend(self.changed(at, value)),
+                None => match gone.next().and_then(|(gone, _)| place(gone)) {
+                    Some([own, at]) => edits.extend([(own, name.clone()), (at, escape(value).into())]),
+                    None => edits.push((behind..behind, format!(" {name}=\"{}\"", escape(value)))),
+                },
+            }
+        }
+        edits.into_iter().for_each(|(at, text)| self.edits.replace(at, text));
+    }
+
+    /// What of a value changes: numbers that stay keep their text.
+    fn changed(&self, at: Range<usize>, value: &str) -> Vec<(Range<usize>, String)> {
+        let (old, new) = (words(self.bytes, &at), value.split_ascii_whitespace().collect::<Vec<_>>());
+        if old.len() != new.len() {
+            // Its blanks are written in some other way.
+            return vec![(at, escape(value).into())];
+        }
+        let number = |word: &str| word.parse::<f64>().ok();
+        let same = |(at, new): &(Range<usize>, &str)| {
+            let old = &self.text[at.clone()];
+            old == *new || number(old).is_some_and(|old| Some(old) == number(new))
+        };
+        let changed = old.into_iter().zip(new).filter(|word| !same(word));
+        changed.map(|(at, new)| (at, escape(new).into())).collect()
+    }
+
+    /// Puts the children of an element that are new each into lines of their own: before those that are there, or behind.
+    fn children(&mut self, tag: Range<usize>, end: usize, new: &Element) {
+        let own = indentation(self.bytes, tag.start);
+        let places = new.children.iter().map(|child| child.place.as_ref());
+        let there = places.clone().flatten().find(|place| *place.file == *self.file);
+        let indent = there.map_or(format!("{own}  "), |place| indentation(self.bytes, place.at));
+        let first = places.clone().position(|place| place.is_some()).unwrap_or(new.children.len());
+        let [before, behind] = [&new.children[..first], &new.children[first..]].map(|children| {
+            let new = children.iter().filter(|child| child.place.is_none());
+            new.map(|child| format!("\n{}", write(child).trim_end()).replace('\n', &indent))
+                .collect::<String>()
+        });
+        match self.text[tag.end..end].rfind("</") {
+            // After the last line that is not blank.
+            Some(close) => {
+                let last = self.bytes[..tag.end + close].trim_ascii_end().len();
+                let added = [(tag.end, before), (last, behind)];
+                added.into_iter().for_each(|(at, text)| self.edits.insert(at, text));
+            }
+            None if before.is_empty() => {}
+            None => {
+                let text = format!(">{before}{own}</{}>", new.name);
+                self.edits.replace(tag.end - "/>".len()..tag.end, text);
+            }
+        }
+    }
+}
+
+/// Where the words of a stretch of a file are.
+fn words(bytes: &[u8], at: &Range<usize>) -> Vec<Range<usize>> {
+    let mut from = at.start;
+    let mut words = Vec::new();
+    for word in bytes[at.clone()].split(u8::is_ascii_whitespace) {
+        words.extend((!word.is_empty()).then_some(from..from + word.len()));
+        from += word.len() + 1;
+    }
+    words
+}
+
+/// The line break and the blanks before a place; a line break alone where something else stands there.
+fn indentation(bytes: &[u8], at: usize) -> String {
+    let before = &bytes[..at];
+    let line = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+    let blanks = &before[line..];
+    let lines = if before[..line].ends_with(b"\r\n") { "\r\n" } else { "\n" };
+    match std::str::from_utf8(blanks) {
+        Ok(blanks) if line > 0 && blanks.trim().is_empty() => format!("{lines}{blanks}"),
+        _ => lines.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model_files::Source;
+
+    #[test]
+    fn edits_leave_the_rest_alone() {
+        let mut edits = Edits::default();
+        edits.replace(8..9, "6");
+        edits.insert(2, "b");
+        edits.insert(2, "c");
+        edits.replace(3..4, "");
+        assert_eq!(edits.of(b"a x2 y z5"), b"a bcx y z6".to_vec());
+    }
+
+    #[test]
+    fn elements_are_changed_in_their_places() {
+        let text = "\u{feff}<?xml version=\"1.0\"?>\n<!-- ä -- --><robot>\n  <joint name = 'a&amp;b'\n  x=\"1  2\"/>\n</robot>\n";
+        let bytes = [text.as_bytes(), b"<!-- \xe4 -->"].concat();
+        let source = Source::of_text(Path::new("a.urdf"), &text_from(&bytes)).unwrap();
+        let joint = source.root.child("joint").unwrap();
+        assert_eq!((joint.place.as_ref().unwrap().line, joint.get("name")), (3, Some("a&b")));
+        let mut root = source.root.clone();
+        let joint = &mut root.children[0];
+        joint.remove("name");
+        [("x", "1 3"), ("y", "4"), ("id", "c")].iter().for_each(|(name, value)| joint.set(name, *value));
+        joint.children.push(Element::new("axis"));
+        root.children.push(Element::new("link"));
+        let expected = text
+            .replace("1  2\"/>", "1  3\" y=\"4\">\n    <axis/>\n  </joint>\n  <link/>")
+            .replace("name = 'a&amp;b'", "id = 'c'");
+        let written = rewritten(Path::new("a.urdf"), &bytes, &source.root, &root);
+        assert_eq!(String::from_utf8_lossy(&written[..expected.len()]), expected);
+    }
 }

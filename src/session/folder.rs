@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::part_file::{MadeFolders, PATIENCE, TRIED_EVERY, lock, open_locked, sync_folder};
+use super::files::{MadeFolders, PATIENCE, TRIED_EVERY, lock, open_locked, sync_folder};
 use super::{SCHEMA_FILE, SPACE_FILE};
 
 /// The file that is locked, in a folder that is being written. It names its writer and is removed with the lock; the one

@@ -1,13 +1,15 @@
-//! How a session came about: everything needed to repeat it or to read its touches.
+//! How a session came about and how far it has come: everything needed to repeat it, to go on with it or to read its touches.
 
+use std::fmt;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::stamp::Stamp;
-use super::{Host, PROGRAM, SESSION_FILE, files, mistaken};
+use super::{PROGRAM, PROGRESS_FILE, SESSION_FILE, files, mistaken};
 use crate::agent::Agent;
+use crate::babbling::BoutsDone;
 use crate::creature::Creature;
 use crate::deadline::Limit;
 use crate::error::Error;
@@ -15,6 +17,7 @@ use crate::simulation::Effort;
 use crate::skin::Skin;
 
 const STAMP: Stamp = Stamp { format: "bodyschema session", version: 1 };
+const PROGRESS: Stamp = Stamp { format: "bodyschema babbling", version: 1 };
 
 /// A session: who babbled, in which model, how, and what it cost.
 ///
@@ -161,5 +164,80 @@ impl Session {
         let agent = Agent::new(creature, skin);
         session.agent = agent.map_err(|error| Error::content(&path, None, error.to_string()))?;
         Ok(session)
+    }
+}
+
+/// A computer, as far as times depend on it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
+pub struct Host {
+    /// The processor's name; its architecture where it tells no name.
+    pub cpu: String,
+    /// Threads that run at the same time.
+    pub cores: usize,
+    /// The operating system.
+    pub os: String,
+}
+
+impl Host {
+    /// This computer.
+    pub fn here() -> Host {
+        let value = |file: &str, key: &str| {
+            let text = std::fs::read_to_string(file).ok()?;
+            let line = text.lines().find(|line| line.starts_with(key))?;
+            let (_, value) = line.split_once([':', '='])?;
+            Some(value.trim().trim_matches('"').to_string()).filter(|value| !value.is_empty())
+        };
+        let (arch, os) = (std::env::consts::ARCH, std::env::consts::OS);
+        Host {
+            cpu: value("/proc/cpuinfo", "model name").unwrap_or_else(|| arch.to_string()),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            os: value("/etc/os-release", "PRETTY_NAME")
+                .map_or_else(|| os.to_string(), |name| format!("{name} ({os} {arch})")),
+        }
+    }
+}
+
+impl fmt::Display for Host {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.cores == 1 { "" } else { "s" };
+        write!(f, "{} core{plural} of {}, {}", self.cores, self.cpu, self.os)
+    }
+}
+
+/// The bouts that are done, and what they cost. In a session's folder as long as it babbles.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BabblingProgress {
+    /// Bouts done.
+    pub bouts: u64,
+    /// Touches made in them.
+    pub touches: usize,
+    /// What they cost.
+    pub effort: BabblingEffort,
+}
+
+impl BabblingProgress {
+    /// The bouts done; how often gaps were looked at is not kept.
+    pub fn done(&self) -> BoutsDone {
+        BoutsDone { bouts: self.bouts, touches: self.touches, effort: self.effort.of_motions }
+    }
+
+    /// Writes [`PROGRESS_FILE`] into `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+        PROGRESS.write(&folder.join(PROGRESS_FILE), self)
+    }
+
+    /// Reads [`PROGRESS_FILE`] of `folder`; none where there is none that can be used.
+    pub fn read(folder: &Path) -> Option<BabblingProgress> {
+        PROGRESS.read(&folder.join(PROGRESS_FILE), "progress of babbling").ok()
+    }
+
+    /// Removes [`PROGRESS_FILE`] from `folder`, where babbling is done.
+    pub fn remove(folder: &Path) {
+        // Left behind, it does no harm.
+        let _ = std::fs::remove_file(folder.join(PROGRESS_FILE));
     }
 }

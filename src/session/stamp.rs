@@ -1,12 +1,14 @@
-//! The first words of every file of a session: its format and the format's version.
+//! The first words of every file of a session, its format and the format's version; and logs, which have a header with them and
+//! then a line of JSON each.
 
-use crate::error::{Error, json_reason};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::files;
+use crate::error::{Error, json_reason};
 
 /// A format of a file and the version of it that this program writes and reads.
 #[derive(Clone, Copy, Debug)]
@@ -79,4 +81,83 @@ impl Stamp {
             _ => refuse(format!("it states no version of its format that exists: {mend}")),
         }
     }
+}
+
+/// How a log ends that was not ended; all of it is left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LogEnd {
+    /// The last line's number if it is incomplete, as a killed process leaves it.
+    pub incomplete: Option<usize>,
+    /// Zero bytes after it, as a file system leaves them after a power failure.
+    pub zeros: usize,
+}
+
+/// Reads a log of lines that each hold a `what`: checks its header, and hands on what each further line holds.
+pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
+    path: &Path,
+    (stamp, what): (Stamp, &str),
+    check: impl FnOnce(H) -> Result<(), String>,
+    mut take: impl FnMut(T) -> Result<(), String>,
+) -> Result<LogEnd, Error> {
+    let io = || Error::unreadable(path);
+    let refuse = |line: usize| move |fault: String| Error::content(path, Some(line), fault);
+    let mut file = BufReader::new(files::open(path)?);
+    let (mut json, mut end) = (Vec::new(), LogEnd::default());
+    file.read_until(b'\n', &mut json).map_err(io())?;
+    check(read_header(path, stamp, 1, &json)?).map_err(refuse(1))?;
+    for line in 2.. {
+        json.clear();
+        file.read_until(b'\n', &mut json).map_err(io())?;
+        let last = file.fill_buf().map_err(io())?.is_empty();
+        if last {
+            end.zeros = drop_zeros(&mut json);
+        }
+        if last && json.trim_ascii().is_empty() {
+            break;
+        }
+        match serde_json::from_slice(&json) {
+            Ok(found) => take(found).map_err(refuse(line))?,
+            Err(error) if last && incomplete(&json, &error) => end.incomplete = Some(line),
+            Err(error) => {
+                let reason = json_reason(&error);
+                let fault = format!("it is no {what} ({reason}): mend the line or delete it");
+                return Err(refuse(line)(fault));
+            }
+        }
+        if last {
+            break;
+        }
+    }
+    Ok(end)
+}
+
+/// The header of a log, on a line of it.
+pub(super) fn read_header<H: DeserializeOwned>(
+    path: &Path,
+    stamp: Stamp,
+    line: usize,
+    json: &[u8],
+) -> Result<H, Error> {
+    let refuse = |message: String| Error::content(path, Some(line), message);
+    if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
+        return Err(refuse("there is no header: give a whole log, or record again".into()));
+    }
+    stamp.check(path, Some(line), json)?;
+    serde_json::from_slice(json).map_err(|error| {
+        let reason = json_reason(&error);
+        refuse(format!("it is no header of a log ({reason}): mend the line or record again"))
+    })
+}
+
+/// Drops the zero bytes at the end of a log's last line; how many there were.
+pub(super) fn drop_zeros(line: &mut Vec<u8>) -> usize {
+    let length = line.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    let zeros = line.len() - length;
+    line.truncate(length);
+    zeros
+}
+
+/// Whether a last line that is not understood is the beginning of one.
+pub(super) fn incomplete(json: &[u8], error: &serde_json::Error) -> bool {
+    error.is_eof() || (error.is_syntax() && !json.ends_with(b"\n"))
 }

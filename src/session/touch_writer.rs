@@ -4,8 +4,8 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::json_lines::drop_zeros;
-use super::touch_line::{STAMP, TouchHeader, TouchLine, UNITS, check, met};
+use super::stamp::drop_zeros;
+use super::touch_log::{STAMP, TouchHeader, TouchLine, UNITS, check, met};
 use super::{TOUCHES_FILE, files};
 use crate::agent::Agent;
 use crate::error::Error;

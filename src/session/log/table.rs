@@ -18,8 +18,8 @@ use super::units::{Measure, Unit, name_and_unit};
 use crate::creature::Creature;
 use crate::error::{Error, json_reason};
 use crate::session::files;
-use crate::session::json_lines::{drop_zeros, incomplete};
-use crate::session::touch_reader::check_header;
+use crate::session::stamp::{drop_zeros, incomplete};
+use crate::session::touch_log::check_header;
 
 /// The columns of limbs, receptors and points of contact, side a then side b.
 pub(crate) const LIMBS: [&str; 2] = ["limb_a", "limb_b"];

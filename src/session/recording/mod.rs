@@ -18,7 +18,7 @@ pub(super) use creature_file::{creature_of, list, typed};
 use super::UNIT_LENGTH;
 use super::log::table::{CellFault, LIMBS, POINTS, RECEPTORS};
 use super::log::{Log, LogEnd, LogJoint, far_angles};
-use super::touch_line::check;
+use super::touch_log::check;
 use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
 use crate::creature::{Creature, DofKind, Posture};
