@@ -62,26 +62,33 @@ pub fn learn_session(
     observer: &dyn Observer,
 ) -> Result<LearnedSession, Error> {
     let BabbledSession { session, touches, grown } = babbled;
-    let agent = &session.agent;
-    let creature = agent.creature();
-    let given = options.givens();
+    let (agent, given) = (&session.agent, options.givens());
     let each = options.learner.learns_each_touch(&given);
     observer.phase(Phase::Learning { touches: touches.len(), each });
     let disturbances = options.disturbances.disturbances();
     let felt = disturbances.felt(agent, touches, options.input(), session.seed);
-    let mut run = LearningRun::new(session, touches.len(), options, truth);
     // What was learned on the way was learned of a body without the disturbances.
     let grown = grown.as_ref().filter(|_| disturbances.is_none());
     let mut learner = options.learner_from(&felt.agent, grown, session.seed);
     learner.end_at(options.deadline);
+    // Without the truth a fit on the way tells nothing that the last does not.
+    let due = match truth {
+        None if !each => Vec::new(),
+        _ => options.learner.checkpoints(&given, touches.len()),
+    };
+    let predicts = options.learner.predicts(&given);
+    let passed = vec![(0, options.initial_guess(agent, session.seed))];
+    let mut table = LearningTable { agent, truth, rows: Vec::new(), passed };
     let (mut seconds, mut ended_by, mut result) = (0.0, None, None);
     for (n, touch) in felt.touches.iter().enumerate() {
         let began = Instant::now();
         learner.touch(touch);
-        let due = run.is_due(n + 1, learner.schema().is_some()) && !options.deadline.has_passed();
         let last = n + 1 == touches.len();
+        // The first schema is worth a look, whenever it comes.
+        let first = predicts && table.passed.len() == 1 && learner.schema().is_some();
+        let due = (first || due.contains(&(n + 1))) && !options.deadline.has_passed();
         // Learning for a row of the table alone is not what learning takes.
-        let (learned, done) = apart(|| (last || (due && !run.predicts)).then(|| learner.learn()));
+        let (learned, done) = apart(|| (last || (due && !predicts)).then(|| learner.learn()));
         count(done);
         ended_by = done.ended.then(|| options.deadline.limit());
         let learned = learned.map(|learned| learned.with_made(&felt.agent, &felt.touches[..=n]));
@@ -89,17 +96,24 @@ pub fn learn_session(
             seconds += began.elapsed().as_secs_f64();
         }
         if last {
-            run.pass(learner.way());
+            learner
+                .way()
+                .iter()
+                .for_each(|(touches, schema)| drop(table.add(*touches, Some(schema), None, None)));
         }
         let schema = learned.as_ref().map(|learned| &learned.schema).or(learner.schema());
         let (expected, shown) = (learner.expectation(), due || last);
         observer.learned(&LearningStep {
             touches: n + 1,
             touch,
-            schema: schema.filter(|_| shown || run.predicts),
+            schema: schema.filter(|_| shown || predicts),
             predicted_gap: expected.map(|expected| expected.gap),
         });
-        let evaluation = run.look(n + 1, shown, schema, learned.as_ref(), expected);
+        // One that predicts each touch has a row for each.
+        let evaluation = match shown || predicts {
+            true => table.add(n + 1, schema.filter(|_| shown), learned.as_ref(), expected),
+            false => None,
+        };
         result = learned.filter(|_| last).map(|learned| (learned, evaluation));
     }
     let (learned, evaluation) = result.ok_or_else(Error::no_touch)?;
@@ -115,158 +129,90 @@ pub fn learn_session(
         && options.skin == SkinKnowledge::Surface
         && options.frames == LimbFrames::Joint;
     let own_account = if tells { OwnAccount::new(&felt.agent, &felt.touches, &learned) } else { None };
-    let checkpoints =
-        checkpoints(run.passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
-    let bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
-    let facts = facts(session, options, &learned, seconds);
-    // To hundredths: nobody reads more of a time.
-    let seconds = Some((100.0 * seconds).round() / 100.0);
-    let command = command.to_vec();
-    let mut record = LearningRecord {
-        command,
-        seconds,
-        facts,
-        checkpoints,
-        bound,
-        ..record(session, touches.len(), &learned)
-    };
+    let LearningTable { rows, passed, .. } = table;
+    let mut record = record(session, touches.len(), options, &learned, seconds);
+    record.command = command.to_vec();
+    record.checkpoints = checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
+    record.bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
     record.facts.extend(ended_by.map(|limit| ("the search ended".to_string(), limit.to_string())));
-    write_learning_table(folder, &run.rows)?;
-    write(folder, creature, &learned, agent, &record)?;
+    write_learning_table(folder, &rows)?;
+    let creature = agent.creature();
+    let std = learned.schema_std(creature);
+    write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
+    let path = folder.join(LEARNED_FILE);
+    write_whole(&path, to_mjcf(agent, &learned.schema).as_bytes()).map_err(Error::unwritable(&path))?;
+    record.write(folder, creature)?;
     let changes = changes(creature, &learned);
     Ok(LearnedSession { learned, record, changes, ended_by, evaluation, own_account, undisturbed_heldout_mm })
 }
 
-/// What is said of a schema that was learned from so many of a session's touches, however it was learned.
-fn record(session: &Session, touches: usize, learned: &Learned) -> LearningRecord {
+/// What is said of a schema that was learned from so many of a session's touches in so many seconds.
+fn record(
+    session: &Session,
+    touches: usize,
+    options: &LearningOptions,
+    learned: &Learned,
+    seconds: f64,
+) -> LearningRecord {
     let creature = session.agent.creature();
     let joint = |&joint: &usize| creature.joints()[joint].name.clone();
     let limb = |&limb: &usize| creature.limbs()[limb].clone();
-    let (joints, limbs) = (learned.undetermined(), learned.undetermined_limbs());
     let directions = learned.reliable_account().map(|account| &account.observability);
     LearningRecord {
         program: PROGRAM.to_string(),
         host: Some(Host::here()),
         seed: session.seed,
         touches,
+        facts: facts(session, options, learned, seconds),
+        // To hundredths: nobody reads more of a time.
+        seconds: Some((100.0 * seconds).round() / 100.0),
         converged: learned.verdict.converged(),
         verdict: sentence(creature, learned),
         reason: learned.verdict.reason().map(str::to_string),
-        undetermined: joints.iter().map(joint).collect(),
-        undetermined_limbs: limbs.iter().map(limb).collect(),
+        undetermined: learned.undetermined().iter().map(joint).collect(),
+        undetermined_limbs: learned.undetermined_limbs().iter().map(limb).collect(),
         open_directions: directions.map_or(Vec::new(), |found| found.undetermined(creature, &learned.schema)),
         account: Some(RecordedAccount::of(learned)),
         ..LearningRecord::default()
     }
 }
 
-/// Writes what was learned into a session's folder.
-fn write(
-    folder: &Path,
-    creature: &Creature,
-    learned: &Learned,
-    agent: &Agent,
-    record: &LearningRecord,
-) -> Result<(), Error> {
-    let std = learned.schema_std(creature);
-    write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
-    let path = folder.join(LEARNED_FILE);
-    let model = to_mjcf(agent, &learned.schema);
-    write_whole(&path, model.as_bytes()).map_err(Error::unwritable(&path))?;
-    record.write(folder, creature)
-}
-
-/// Learning as it goes on: what was passed, and the table that is written.
-struct LearningRun<'a> {
-    session: &'a Session,
+/// The table of learning as it goes on.
+struct LearningTable<'a> {
+    agent: &'a Agent,
     truth: Option<&'a GroundTruth>,
-    /// The rows of the table of learning.
     rows: Vec<LearningRow>,
-    /// Whether the learner predicts each touch, so that every touch has a row.
-    predicts: bool,
-    checkpoints: Vec<usize>,
     /// The schemas passed, after how many touches.
     passed: Vec<(usize, BodySchema)>,
 }
 
-impl<'a> LearningRun<'a> {
-    fn new(
-        session: &'a Session,
-        touches: usize,
-        options: &LearningOptions,
-        truth: Option<&'a GroundTruth>,
-    ) -> LearningRun<'a> {
-        let given = options.givens();
-        // Without the truth a fit on the way tells nothing that the last does not.
-        let checkpoints = match truth {
-            None if !options.learner.learns_each_touch(&given) => Vec::new(),
-            _ => options.learner.checkpoints(&given, touches),
-        };
-        LearningRun {
-            session,
-            truth,
-            rows: Vec::new(),
-            predicts: options.predicts(),
-            checkpoints,
-            passed: vec![(0, options.initial_guess(&session.agent, session.seed))],
-        }
-    }
-
-    /// Whether a schema after so many touches is worth a look.
-    fn is_due(&self, touches: usize, has_schema: bool) -> bool {
-        // The first schema is worth a look, whenever it comes.
-        let first = self.predicts && self.passed.len() == 1 && has_schema;
-        first || self.checkpoints.contains(&touches)
-    }
-
-    /// Takes down what a learner believed on its way.
-    fn pass(&mut self, way: &[(usize, BodySchema)]) {
-        for (touches, schema) in way {
-            let evaluation = self.truth.map(|truth| evaluate(&self.session.agent, truth, schema, &[]));
-            self.rows.push(row_of(*touches, evaluation.as_ref()));
-            self.passed.push((*touches, schema.clone()));
-        }
-    }
-
-    /// Takes down what a learner has come to, if it is to be `shown` or the learner predicts each touch; its errors.
-    fn look(
+impl LearningTable<'_> {
+    /// Takes down what a learner believed after so many touches; its errors, if it believed anything.
+    fn add(
         &mut self,
         touches: usize,
-        shown: bool,
         schema: Option<&BodySchema>,
         learned: Option<&Learned>,
         expected: Option<Expectation>,
     ) -> Option<Evaluation> {
-        if !shown && !self.predicts {
-            return None;
-        }
-        let schema = schema.filter(|_| shown);
         self.passed.extend(schema.map(|schema| (touches, schema.clone())));
-        let agent = &self.session.agent;
         let evaluation = self.truth.zip(schema).map(|(truth, schema)| match learned {
-            Some(learned) => evaluate_learned(agent, truth, learned),
-            None => evaluate(agent, truth, schema, &[]),
+            Some(learned) => evaluate_learned(self.agent, truth, learned),
+            None => evaluate(self.agent, truth, schema, &[]),
         });
+        let found = evaluation.as_ref();
         self.rows.push(LearningRow {
+            touches,
             predicted_gap_mm: expected.map(|expected| 1e3 * expected.gap),
             predicted_deviation_mm: expected.map(|expected| 1e3 * expected.deviation),
             converged: learned.map(|learned| u8::from(learned.verdict.converged())),
             fresh_rms: learned.map(|learned| learned.fresh_rms),
-            ..row_of(touches, evaluation.as_ref())
+            heldout_mean_mm: found.map(|e| e.heldout_mm.mean),
+            heldout_p95_mm: found.map(|e| e.heldout_mm.p95),
+            hand_mean_mm: found.and_then(|e| e.hand_mm).map(|hand| hand.mean),
+            axis_median_deg: found.map(|e| e.axis_deg.median),
         });
         evaluation
-    }
-}
-
-/// The row of an evaluation after so many touches.
-fn row_of(touches: usize, evaluation: Option<&Evaluation>) -> LearningRow {
-    LearningRow {
-        touches,
-        heldout_mean_mm: evaluation.map(|e| e.heldout_mm.mean),
-        heldout_p95_mm: evaluation.map(|e| e.heldout_mm.p95),
-        hand_mean_mm: evaluation.and_then(|e| e.hand_mm).map(|hand| hand.mean),
-        axis_median_deg: evaluation.map(|e| e.axis_deg.median),
-        ..LearningRow::default()
     }
 }
 
@@ -301,7 +247,7 @@ fn checkpoints(
 }
 
 /// What the report says of how it was learned.
-pub fn facts(
+fn facts(
     session: &Session,
     options: &LearningOptions,
     learned: &Learned,
@@ -325,7 +271,7 @@ pub fn facts(
 }
 
 /// How the body changed as the learner understood it, in sentences.
-pub fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
+fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
     let sentence = |change: &BodyChange| {
         let what = match &change.what {
             What::Joint { joint, distance } => {
@@ -368,7 +314,7 @@ fn count_of_located(creature: &Creature, account: &Account) -> String {
 }
 
 /// The verdict in a sentence: how much is known comes first.
-pub fn sentence(creature: &Creature, learned: &Learned) -> String {
+fn sentence(creature: &Creature, learned: &Learned) -> String {
     match (&learned.verdict, &learned.account) {
         (Verdict::Converged, Some(account)) => {
             let located = count_of_located(creature, account);

@@ -192,11 +192,6 @@ impl LearningOptions {
         })
     }
 
-    /// Whether the learner predicts each touch before it learns from it.
-    pub(crate) fn predicts(&self) -> bool {
-        self.learner.predicts(&self.givens())
-    }
-
     /// What the learner was allowed to know, in words.
     pub fn knowledge(&self) -> &'static str {
         match (self.input(), self.skin) {
