@@ -18,8 +18,8 @@ use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::session::{
-    BabbledSession, BabblingSession, Embodied, FolderLock, Observer, Provenance, ResumedSession,
-    SESSION_FILE, Session, SessionRequest, SessionSetup,
+    BabbledSession, BabblingSession, Embodied, FolderLock, Observer, Provenance, SESSION_FILE, Session,
+    SessionRequest, SessionSetup,
 };
 use crate::share::Share;
 use crate::simulation::MotionName;
@@ -217,32 +217,26 @@ impl<'a> Job<'a> {
         let (folder, page) = (lock.folder().to_path_buf(), self.place.take());
         let place = folder.display();
         let session = Session::read(&folder)?;
-        match BabblingSession::resume(&self.embodied, &self.setup, &lock, session)? {
-            ResumedSession::Babbling(session) => {
-                if session.zeros() > 0 {
-                    let zeros = session.zeros();
-                    tell!(
-                        "{place}: its log ended in {zeros} zero bytes, as a power failure leaves them: they are dropped"
-                    );
-                }
-                let (made, all) = (session.made(), self.setup.babbling.touches);
-                tell!("{place}: going on after touch {made} of {all}");
-                self.complete(lock, page, made, |observers| make(*session, observers))
+        let session = BabblingSession::resume(&self.embodied, &self.setup, &lock, session)?;
+        let (made, all) = (session.made(), self.setup.babbling.touches);
+        if session.is_babbled() && folder.join(REPORT_FILE).exists() {
+            tell!("{place} is complete: nothing is left to do");
+            if self.args.json {
+                output::json(&json!({"session": folder, "touches": made, "complete": true}))?;
             }
-            ResumedSession::Babbled(babbled) if folder.join(REPORT_FILE).exists() => {
-                tell!("{place} is complete: nothing is left to do");
-                if self.args.json {
-                    let touches = babbled.touches.len();
-                    output::json(&json!({"session": folder, "touches": touches, "complete": true}))?;
-                }
-                Ok(())
-            }
-            ResumedSession::Babbled(babbled) => {
-                let touches = babbled.touches.len();
-                tell!("{place}: all {touches} touches are there; learning from them");
-                self.complete(lock, page, touches, |_| Ok(*babbled))
-            }
+            return Ok(());
         }
+        if session.zeros() > 0 {
+            let zeros = session.zeros();
+            tell!(
+                "{place}: its log ended in {zeros} zero bytes, as a power failure leaves them: they are dropped"
+            );
+        }
+        match session.is_babbled() {
+            true => tell!("{place}: all {made} touches are there; learning from them"),
+            false => tell!("{place}: going on after touch {made} of {all}"),
+        }
+        self.complete(lock, page, made, |observers| make(session, observers))
     }
 
     /// Makes touches while somebody may look on, learns from all of them, and prints the result.
@@ -296,18 +290,13 @@ fn resume(folder: &Path, given: &BabbleArguments) -> Outcome {
 fn make_share(job: &Job, share: Share, folder: &Path) -> Outcome {
     let lock = take_share(folder, share, SESSION_FILE)?;
     let place = lock.folder();
-    let session = match BabblingSession::take_up(&job.embodied, &job.setup, &lock, job.provenance())? {
-        ResumedSession::Babbled(babbled) => {
-            tell!("{} is complete: nothing is left to do", place.display());
-            babbled.session
-        }
-        ResumedSession::Babbling(babbling) => {
-            if babbling.made() > 0 {
-                tell!("{}: going on after touch {}", place.display(), babbling.made());
-            }
-            babbling.babble(&Bars::default())?.session
-        }
-    };
+    let session = BabblingSession::take_up(&job.embodied, &job.setup, &lock, job.provenance())?;
+    match session.made() {
+        _ if session.is_babbled() => tell!("{} is complete: nothing is left to do", place.display()),
+        0 => {}
+        made => tell!("{}: going on after touch {made}", place.display()),
+    }
+    let session = session.babble(&Bars::default())?.session;
     let effort = session.effort;
     let touches = effort.and_then(|effort| effort.touches).unwrap_or_default();
     if let Some(effort) = effort.filter(|effort| effort.touches == Some(0)) {

@@ -10,9 +10,8 @@ use super::checks;
 use super::defaults::Defaults;
 use super::meshes::{MeshFolder, mesh_name};
 use super::pose::{Angles, ORIENTATIONS, set_pose};
-use super::reduce::LeftOut;
 use super::references::{Name, names, rename, repeated, stands};
-use super::source::{Refused, Source, folder_of, with_slashes};
+use super::source::{LeftOut, Refused, Source, folder_of, with_slashes};
 use super::tree::{Element, numbers};
 use super::write::exact;
 

@@ -21,7 +21,7 @@ mod write;
 pub(crate) use checks::check as check_source;
 pub(crate) use meshes::unreadable_mesh;
 pub(crate) use pose::{Angles, ORIENTATIONS};
-pub use reduce::LeftOut;
+pub use source::LeftOut;
 pub(crate) use source::{Refused, Source, begins_as, first_letter};
 pub(crate) use tree::{Element, element};
 pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};

@@ -10,9 +10,8 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::meshes::{MeshFolder, file_fault};
 use super::pose::{onto, set_pose};
-use super::reduce::LeftOut;
 use super::reduce::Reduced;
-use super::source::{Refused, Source};
+use super::source::{LeftOut, Refused, Source};
 use super::tree::{Element, element};
 use super::urdf_tree::{Origin, UrdfJoint, UrdfKind, UrdfTree};
 use super::write::exact;
@@ -229,14 +228,7 @@ fn inertial(link: &Element) -> Option<Element> {
     if principal.min() <= 0.0 || 2.0 * principal.max() > principal.sum() * (1.0 + 1e-9) {
         return None;
     }
-    let full = [
-        inertia[(0, 0)],
-        inertia[(1, 1)],
-        inertia[(2, 2)],
-        inertia[(0, 1)],
-        inertia[(0, 2)],
-        inertia[(1, 2)],
-    ];
+    let full = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| inertia[at]);
     Some(element(
         "inertial",
         &[

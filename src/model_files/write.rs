@@ -138,7 +138,8 @@ impl Edits {
 }
 
 /// A file's bytes with all that differs in a tree of it: numbers that changed and elements that were added. Every other byte
-/// stays as it was. `old` was read from the bytes, and `new` is the same with changes of attributes and more elements.
+/// stays as it was. `old` was read from the bytes, and `new` is the same with other names and values of its
+/// attributes, with more of them, and with more elements.
 pub(crate) fn rewritten(file: &Path, bytes: &[u8], old: &Element, new: &Element) -> Vec<u8> {
     let mut writer = Rewriter { file, bytes, text: text_from(bytes), edits: Edits::default() };
     writer.element(old, new);
@@ -172,18 +173,16 @@ impl Rewriter<'_> {
         old.children.iter().zip(kept).for_each(|(old, new)| self.element(old, new));
     }
 
-    /// Changes the attributes of an element; one that is new takes the place of one that is gone.
+    /// Changes the attributes of an element: their names, their values, and those behind them that are new.
     fn attributes(&mut self, places: &[[Range<usize>; 2]], behind: usize, old: &Element, new: &Element) {
         let place = |name: &str| places.iter().find(|[own, _]| self.text[own.clone()] == *name).cloned();
-        let mut gone = old.attributes.iter().filter(|(name, _)| !new.has(name));
         let mut edits = Vec::new();
-        for (name, value) in new.attributes.iter().filter(|(name, value)| old.get(name) != Some(value)) {
-            match place(name) {
-                Some([_, at]) => edits.extend(self.changed(at, value)),
-                None => match gone.next().and_then(|(gone, _)| place(gone)) {
-                    Some([own, at]) => edits.extend([(own, name.clone()), (at, escape(value).into())]),
-                    None => edits.push((behind..behind, format!(" {name}=\"{}\"", escape(value)))),
-                },
+        for (k, (name, value)) in new.attributes.iter().enumerate() {
+            match old.attributes.get(k).and_then(|(before, text)| Some((before, text, place(before)?))) {
+                Some((before, text, _)) if before == name && text == value => {}
+                Some((before, _, [_, at])) if before == name => edits.extend(self.changed(at, value)),
+                Some((.., [own, at])) => edits.extend([(own, name.clone()), (at, escape(value).into())]),
+                None => edits.push((behind..behind, format!(" {name}=\"{}\"", escape(value)))),
             }
         }
         edits.into_iter().for_each(|(at, text)| self.edits.replace(at, text));
@@ -280,7 +279,7 @@ mod tests {
         assert_eq!((joint.place.as_ref().unwrap().line, joint.get("name")), (3, Some("a&b")));
         let mut root = source.root.clone();
         let joint = &mut root.children[0];
-        joint.remove("name");
+        joint.attributes[0].0 = "id".into();
         [("x", "1 3"), ("y", "4"), ("id", "c")].iter().for_each(|(name, value)| joint.set(name, *value));
         joint.children.push(Element::new("axis"));
         root.children.push(Element::new("link"));

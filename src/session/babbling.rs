@@ -50,14 +50,14 @@ pub struct Provenance {
     pub asked: serde_json::Value,
 }
 
-/// A session, or a share of one, with touches still to make.
+/// A session, or a share of one, of which touches are to be made or all are.
 pub struct BabblingSession<'a> {
     embodied: &'a Embodied,
     setup: &'a SessionSetup,
     folder: PathBuf,
     session: Session,
-    /// The log, ready for the touch after those of `done`.
-    log: TouchWriter<'a>,
+    /// The log, ready for the touch after those of `done`; none where all touches are made.
+    log: Option<TouchWriter<'a>>,
     /// Whether it was begun here, with an empty log.
     begun: bool,
     /// Of a share, the bouts and what each cost.
@@ -81,15 +81,19 @@ pub struct BabbledSession {
     pub grown: Option<Growth>,
 }
 
-/// A session that was interrupted.
-pub(crate) enum ResumedSession<'a> {
-    /// While it babbled.
-    Babbling(Box<BabblingSession<'a>>),
-    /// After it had babbled.
-    Babbled(Box<BabbledSession>),
-}
-
 impl<'a> BabblingSession<'a> {
+    /// One of which nothing is made yet.
+    fn of(
+        embodied: &'a Embodied,
+        setup: &'a SessionSetup,
+        lock: &FolderLock,
+        session: Session,
+    ) -> BabblingSession<'a> {
+        let (folder, done, spent) = (lock.folder().to_path_buf(), BoutsDone::default(), Duration::ZERO);
+        let (log, bouts, made) = (None, None, Vec::new());
+        BabblingSession { embodied, setup, folder, session, log, begun: false, bouts, done, spent, made }
+    }
+
     /// Begins a session in a folder, which is its writer's alone; keep the lock until all is done.
     ///
     /// # Errors
@@ -109,11 +113,9 @@ impl<'a> BabblingSession<'a> {
         }
         let session = new_session(embodied, setup, provenance)?;
         session.write(folder)?;
-        let log = TouchWriter::create(folder, embodied.agent())?;
+        let log = Some(TouchWriter::create(folder, embodied.agent())?);
         let bouts = setup.share.map(|_| BoutLog::go_on(folder, &[])).transpose()?;
-        let (folder, done, made) = (folder.to_path_buf(), BoutsDone::default(), Vec::new());
-        let spent = Duration::ZERO;
-        Ok(BabblingSession { embodied, setup, folder, session, log, begun: true, bouts, done, spent, made })
+        Ok(BabblingSession { log, bouts, begun: true, ..BabblingSession::of(embodied, setup, lock, session) })
     }
 
     /// Begins the share of the setup in its folder, or goes on with what is there of it.
@@ -122,11 +124,10 @@ impl<'a> BabblingSession<'a> {
         setup: &'a SessionSetup,
         lock: &FolderLock,
         provenance: Provenance,
-    ) -> Result<ResumedSession<'a>, Error> {
+    ) -> Result<BabblingSession<'a>, Error> {
         let folder = lock.folder();
         if !folder.join(SESSION_FILE).exists() {
-            let begun = BabblingSession::begin(embodied, setup, lock, provenance)?;
-            return Ok(ResumedSession::Babbling(Box::new(begun)));
+            return BabblingSession::begin(embodied, setup, lock, provenance);
         }
         let session = Session::read(folder)?;
         session.check(folder, &new_session(embodied, setup, provenance)?)?;
@@ -140,58 +141,62 @@ impl<'a> BabblingSession<'a> {
         setup: &'a SessionSetup,
         lock: &FolderLock,
         session: Session,
-    ) -> Result<ResumedSession<'a>, Error> {
+    ) -> Result<BabblingSession<'a>, Error> {
         let folder = lock.folder();
         check_same(&session, embodied, folder)?;
-        let agent = embodied.agent();
-        let log_file = folder.join(TOUCHES_FILE);
-        if let Some(effort) = &session.effort {
+        let (agent, log_file) = (embodied.agent(), folder.join(TOUCHES_FILE));
+        let mut resumed = BabblingSession::of(embodied, setup, lock, session);
+        if let Some(effort) = &resumed.session.effort {
             let wanted = effort.touches.unwrap_or(setup.babbling.touches);
-            let touches = read_touches(&log_file, agent)?.touches;
-            if touches.len() != wanted {
+            resumed.made = read_touches(&log_file, agent)?.touches;
+            let found = resumed.made.len();
+            if found != wanted {
                 let reason = format!(
-                    "it has {} touches of {wanted} though babbling was done: lines were added or lost; babble anew \
-                     with --out",
-                    touches.len(),
+                    "it has {found} touches of {wanted} though babbling was done: lines were added or lost; babble anew with --out"
                 );
                 return Err(Error::unfit(&log_file, reason));
             }
-            return Ok(ResumedSession::Babbled(Box::new(BabbledSession { session, touches, grown: None })));
+            return Ok(resumed);
         }
         // The bouts that are done: those of a share one by one, those of a session at random in all.
-        let mut lines = setup.share.map_or(Ok(Vec::new()), |share| bouts_of_share(folder, share))?;
-        let progress = BabblingProgress::read(folder).filter(|_| setup.policy == PolicyName::Random);
-        let (mut done, mut spent, mut made) = (BoutsDone::default(), Duration::ZERO, Vec::new());
-        for line in &lines {
-            (done.bouts, done.touches) = (done.bouts + 1, done.touches + line.touches);
-            done.effort += line.effort;
-        }
-        if let Some(progress) = progress.filter(|_| setup.share.is_none())
-            && let Ok(babbled) = Duration::try_from_secs_f64(progress.effort.babbling_s)
+        let mut lines = Vec::new();
+        if let Some(share) = setup.share {
+            lines = bouts_of_share(folder, share)?;
+            for line in &lines {
+                resumed.done.bouts += 1;
+                resumed.done.touches += line.touches;
+                resumed.done.effort += line.effort;
+            }
+        } else if let Some(progress) = BabblingProgress::read(folder)
+            && let Ok(spent) = Duration::try_from_secs_f64(progress.effort.babbling_s)
+            && setup.policy == PolicyName::Random
         {
-            (done, spent) = (progress.done(), babbled);
+            (resumed.done, resumed.spent) = (progress.done(), spent);
         }
         let mut log = TouchWriter::resume(folder, agent)?;
-        if log.skip(done.touches)? < done.touches {
+        let touches = resumed.done.touches;
+        if log.skip(touches)? < touches {
             // The disk lost some: all are made once more.
             drop(log);
             log = TouchWriter::resume(folder, agent)?;
-            (done, spent) = (BoutsDone::default(), Duration::ZERO);
+            (resumed.done, resumed.spent) = (BoutsDone::default(), Duration::ZERO);
             lines.clear();
-        } else if done.touches > 0 {
-            made = read_touches(&log_file, agent)?.touches;
-            made.truncate(done.touches);
+        } else if touches > 0 {
+            resumed.made = read_touches(&log_file, agent)?.touches;
+            resumed.made.truncate(touches);
         }
         let bouts = setup.share.map(|_| BoutLog::go_on(folder, &lines)).transpose()?;
-        let folder = folder.to_path_buf();
-        let resumed =
-            BabblingSession { embodied, setup, folder, session, log, begun: false, bouts, done, spent, made };
-        Ok(ResumedSession::Babbling(Box::new(resumed)))
+        Ok(BabblingSession { log: Some(log), bouts, ..resumed })
+    }
+
+    /// Whether all touches are made.
+    pub(crate) fn is_babbled(&self) -> bool {
+        self.log.is_none()
     }
 
     /// How many zero bytes were at the end of the log, as a file system leaves them where the power failed; they are dropped.
     pub(crate) fn zeros(&self) -> usize {
-        self.log.zeros()
+        self.log.as_ref().map_or(0, TouchWriter::zeros)
     }
 
     /// How many touches are there already.
@@ -227,16 +232,16 @@ impl<'a> BabblingSession<'a> {
         observer: &dyn Observer,
     ) -> Result<BabbledSession, Error> {
         let (model, options) = (self.embodied.model(), &self.setup.babbling);
-        let bouts = shares.bouts(self.embodied.agent())?;
+        let agent = self.embodied.agent();
         // Where this was interrupted before, their time is counted already.
         let spent = if self.made.is_empty() { shares.spent() } else { self.spent };
         BabblingSession { spent, ..self }.make(observer, |babbler, done, receive| {
-            let effort = babbler.put_together(done, options, bouts, receive);
+            let effort = babbler.put_together(done, options, shares.bouts(agent)?, receive);
             Ok((effort.map_err(Error::of_model(model))?, None))
         })
     }
 
-    /// Writes touches into the log as they are made, in whatever way.
+    /// Writes touches into the log as they are made, in whatever way; nothing is done where all are.
     fn make(
         self,
         observer: &dyn Observer,
@@ -246,9 +251,19 @@ impl<'a> BabblingSession<'a> {
             &mut dyn FnMut(Made) -> Result<(), Error>,
         ) -> Result<(Effort, Option<Growth>), Error>,
     ) -> Result<BabbledSession, Error> {
-        let begun = self.begun;
-        let BabblingSession { embodied, setup, folder, mut session, mut log, done, spent, .. } = self;
-        let (mut bouts, mut made) = (self.bouts, self.made);
+        let BabblingSession {
+            embodied,
+            setup,
+            folder,
+            mut session,
+            log,
+            begun,
+            mut bouts,
+            done,
+            spent,
+            mut made,
+        } = self;
+        let Some(mut log) = log else { return Ok(BabbledSession { session, touches: made, grown: None }) };
         let babbler =
             embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
         observer.phase(Phase::Babbling {

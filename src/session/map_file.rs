@@ -59,16 +59,13 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
     let mut neighbours: Vec<Option<Vec<usize>>> = vec![None; skin.receptors.len()];
     for (id, others) in &read.neighbours {
         let receptor = number(id)?;
-        let mut found: Vec<usize> = Vec::new();
-        for other in others {
-            let neighbour = number(other)?;
-            if neighbour == receptor {
-                return refuse(format!("\"{id}\" is its own neighbour: take it out of its list"));
-            }
-            if found.contains(&neighbour) {
-                return refuse(format!("\"{id}\" has \"{other}\" for a neighbour twice: take one out"));
-            }
-            found.push(neighbour);
+        let found = others.iter().map(|other| number(other)).collect::<Result<Vec<usize>, Error>>()?;
+        if found.contains(&receptor) {
+            return refuse(format!("\"{id}\" is its own neighbour: take it out of its list"));
+        }
+        if let Some(twice) = (1..found.len()).find(|k| found[..*k].contains(&found[*k])) {
+            let other = &others[twice];
+            return refuse(format!("\"{id}\" has \"{other}\" for a neighbour twice: take one out"));
         }
         if found.len() > MOST_NEIGHBOURS {
             let count = found.len();

@@ -35,7 +35,6 @@ mod touch_log;
 mod touch_writer;
 
 pub use account::RecordedAccount;
-pub(crate) use babbling::ResumedSession;
 pub use babbling::{BabbledSession, BabblingSession, Provenance, SessionSetup};
 pub use bout_log::{BoutLine, BoutLog, read_bouts};
 pub(crate) use embodied::skin_for;

@@ -7,13 +7,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::{Matrix3, Rotation3, UnitVector3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
-use crate::calibration::robot::{Element, Form, LinkMass, Robot, RobotDof, Unit, Value};
+use super::{follow, moved, surface_name};
+use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
 use crate::creature::{DofKind, body_name, joint_name, largest, limits, matrix, span};
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
-use crate::mujoco::{Equality, GeomKind, JointKind, Model, ModelJoint};
+use crate::mujoco::{Equality, GeomKind, JointKind, Model};
 
 /// Reads a robot from an MJCF file and what it includes, in its maker's frames, and tells what of the file is of no use here,
 /// a sentence each. Of a model that stands on the world the world is the root; of one that a free joint carries the body
@@ -150,7 +151,7 @@ impl Reader<'_> {
         let joint = self.model.joint(j);
         match self.followers.get(&j) {
             Some(Some(Following { leader: None, offset, .. })) => {
-                return Element::Fixed(moved(&joint, *offset));
+                return Element::Fixed(moved(joint.kind == JointKind::Slide, &joint.axis, *offset));
             }
             Some(Some(following)) => {
                 self.held.push((j, *following, at));
@@ -192,15 +193,8 @@ impl Reader<'_> {
     fn follow(&mut self) {
         for (j, Following { leader, gain, offset }, [link, element]) in std::mem::take(&mut self.held) {
             let Some(leader) = leader.and_then(|leader| self.dofs[leader]) else { continue };
-            let RobotDof { coordinate, quantities, .. } = self.robot.dofs[leader];
-            let begins = quantities.map_or(0.0, |q| self.robot.quantities[q.offset].nominal.number());
             let dof = self.dof(j);
-            self.robot.dofs[dof].coordinate = coordinate;
-            if let Some(q) = self.robot.dofs[dof].quantities {
-                self.robot.quantities[q.gain].nominal = Value::Number(gain);
-                self.robot.quantities[q.offset].nominal = Value::Number(offset + gain * begins);
-            }
-            self.robot.links[link].elements[element] = Element::Dof(dof);
+            follow(&mut self.robot, dof, leader, [gain, offset], [link, element]);
         }
     }
 
@@ -242,26 +236,10 @@ impl Reader<'_> {
     }
 }
 
-/// What a hinge or slide does at a distance from its reference.
-fn moved(joint: &ModelJoint, by: f64) -> Frame {
-    match joint.kind {
-        JointKind::Slide => Frame { origin: joint.axis * by, ..Frame::identity() },
-        _ => {
-            let turn = Rotation3::from_axis_angle(&UnitVector3::new_normalize(joint.axis), by);
-            Frame { rotation: turn.into_inner(), origin: Vector3::zeros() }
-        }
-    }
-}
-
 /// A geom's name, or one made from its body's.
 fn geom_name(model: &Model, geom: usize) -> String {
     let about = model.geom(geom);
     let geoms = model.body(about.body).geoms;
     let own = about.name.map(str::to_string);
     own.unwrap_or_else(|| surface_name(&body_name(model, about.body), geom - geoms.start, geoms.len()))
-}
-
-/// What a geom without a name is called: the one of so many of its body, counted from 0.
-pub(super) fn surface_name(body: &str, place: usize, count: usize) -> String {
-    if count == 1 { body.to_string() } else { format!("{body}.{}", place + 1) }
 }

@@ -12,14 +12,17 @@ mod xml_writer;
 
 use std::path::Path;
 
+use nalgebra::{Rotation3, UnitVector3, Vector3};
+
 pub(crate) use json::{json_of, length, set_prior};
 pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
 
-use crate::calibration::robot::{Knowledge, Robot, RobotDof, Value};
+use crate::calibration::robot::{Element, Knowledge, Robot, RobotDof, Value};
 use crate::creature::{Creature, DofKind};
 use crate::error::Error;
+use crate::geometry::Frame;
 use crate::learning::KnownJoint;
 use crate::model_files::{begins_as, first_letter};
 use crate::session::files;
@@ -154,6 +157,38 @@ pub fn apply_known(robot: &mut Robot, creature: &Creature, joints: &[KnownJoint]
             }
         }
     }
+}
+
+/// Lets a degree of freedom follow another in proportion, by the coordinate of that one; it becomes an element of a link.
+fn follow(
+    robot: &mut Robot,
+    dof: usize,
+    leader: usize,
+    [gain, offset]: [f64; 2],
+    [link, element]: [usize; 2],
+) {
+    let RobotDof { coordinate, quantities, .. } = robot.dofs[leader];
+    let begins = quantities.map_or(0.0, |q| robot.quantities[q.offset].nominal.number());
+    robot.dofs[dof].coordinate = coordinate;
+    if let Some(q) = robot.dofs[dof].quantities {
+        robot.quantities[q.gain].nominal = Value::Number(gain);
+        robot.quantities[q.offset].nominal = Value::Number(offset + gain * begins);
+    }
+    robot.links[link].elements[element] = Element::Dof(dof);
+}
+
+/// What a slide or a hinge does at a distance from its reference.
+fn moved(slides: bool, axis: &Vector3<f64>, by: f64) -> Frame {
+    if slides {
+        return Frame { origin: axis * by, ..Frame::identity() };
+    }
+    let turn = Rotation3::from_axis_angle(&UnitVector3::new_normalize(*axis), by);
+    Frame { rotation: turn.into_inner(), origin: Vector3::zeros() }
+}
+
+/// What a geom without a name is called: the one of so many of its body, counted from 0.
+fn surface_name(body: &str, place: usize, count: usize) -> String {
+    if count == 1 { body.to_string() } else { format!("{body}.{}", place + 1) }
 }
 
 /// What of an encoder `format` has no word for, a sentence each: its gain, unless it follows another, and how far its joint gives

@@ -4,9 +4,7 @@
 
 use std::path::Path;
 
-use nalgebra::Rotation3;
-
-use super::mjcf::surface_name;
+use super::{follow, moved, surface_name};
 use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
@@ -80,29 +78,24 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
             let axis = axis.normalize();
             match joint.follows {
                 Some(UrdfFollowing { leader: Some(leader), gain, offset }) => {
-                    followers.push((name, leader, [gain, offset], kind, range, axis, robot.links.len()));
+                    let at = [robot.links.len(), elements.len()];
+                    elements.push(Element::Fixed(Frame::identity()));
+                    followers.push((leader, [gain, offset], at, (name, kind, range, axis)));
                 }
                 // It stands where its leader, which is fixed, holds it.
-                Some(UrdfFollowing { offset, .. }) => elements.push(Element::Fixed(match kind {
-                    DofKind::Slide => Frame { origin: axis * offset, ..Frame::identity() },
-                    _ => Frame { rotation: Rotation3::new(axis * offset).into_inner(), ..Frame::identity() },
-                })),
+                Some(UrdfFollowing { offset, .. }) => {
+                    elements.push(Element::Fixed(moved(kind == DofKind::Slide, &axis, offset)));
+                }
                 None => elements.push(Element::Dof(robot.add_dof(name, kind, range, axis))),
             }
         }
         robot.add_link(child, parent_link, elements);
     }
-    for (name, leader, [gain, offset], kind, range, axis, link) in followers {
-        let Some(coordinate) = robot.dof(leader).map(|leader| robot.dofs[leader].coordinate) else {
-            continue;
-        };
-        let dof = robot.add_dof(name, kind, range, axis);
-        robot.dofs[dof].coordinate = coordinate;
-        if let Some(q) = robot.dofs[dof].quantities {
-            robot.quantities[q.gain].nominal = Value::Number(gain);
-            robot.quantities[q.offset].nominal = Value::Number(offset);
+    for (leader, by, at, (name, kind, range, axis)) in followers {
+        if let Some(leader) = robot.dof(leader) {
+            let dof = robot.add_dof(name, kind, range, axis);
+            follow(&mut robot, dof, leader, by, at);
         }
-        robot.links[link].elements.push(Element::Dof(dof));
     }
     let mut meshed = Vec::new();
     for (name, element) in &tree.links {

@@ -9,9 +9,8 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-use super::mjcf::surface_name;
 use super::urdf::shapes;
-use super::{Written, unsaid_of_encoder};
+use super::{Written, surface_name, unsaid_of_encoder};
 use crate::calibration::robot::{Element, Form, Posed, Robot, RobotDof, Value};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
@@ -214,7 +213,9 @@ impl Writer<'_> {
             edited.set("pos", exact(&new.origin));
         }
         if turned {
-            ORIENTATIONS.iter().for_each(|name| drop(edited.remove(name)));
+            for (own, _) in edited.attributes.iter_mut().filter(|(own, _)| ORIENTATIONS.contains(&&**own)) {
+                *own = "quat".into();
+            }
             edited.set("quat", exact(&new.wxyz()));
         }
     }
