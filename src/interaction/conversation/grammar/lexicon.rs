@@ -150,7 +150,9 @@ const FUNCTION: &str = "because him her himself yesterday after during since unl
      difference separate fast seconds sec slight neighbourhood parts bits respect relation relative \
      reference perspective viewpoint compared measured though although however mine yours ours attention \
      fair unsure exact good-bye via otherwise no-one terms mistaken interest tired seat leftward leftwards \
-     rightward rightwards till detail thorough funny left-hand right-hand jiffy";
+     rightward rightwards till detail thorough funny left-hand right-hand jiffy today fresh anywhere careful \
+     together alert awake barely comfortable familiar harder impression numerous plenty sleep sufficient \
+     watchful works aloft horses faces doing happening located sounds sum half beginning case";
 /// Irregular forms of verbs; `*` where it is also the base form.
 const IRREGULAR: &str = "felt feel,found find,held hold,took take,taken take,caught catch,brought bring,got get,gotten get,\
      went go,gone go,came come,put put*,set set*,let let*,hit hit*,laid lay,stood stand,sat sit,lain lie,\

@@ -18,35 +18,25 @@ pub(super) const EXPLORE: RequestKind = RequestKind::new(
         let hand = creature.hand_for(request.hand);
         if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
     }),
-    "said: there ought|must|should|may|might|could ?to be SOME|THING|MORE ; told: \
-     SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of \
-     ?over|across|ON|around|at ?your|this|what ?ALL TABLE|SPACE|top|front ; \
-     SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round ; \
-     SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE ; \
-     see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME ; REACH \
-     ?out ?HAND ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME ; REACH HAND out|FORWARD $ ; \
-     RUN|SEARCH|pat|PULL|PUT|PUSH ?your HAND ?ALL|BACK ?and ?over ?forth over|AROUND|ON|above ?top ?of \
-     TABLE|SPACE ; TOUCH|GRAB|get SOME ; ^ SEARCH ; GO|RUN|FEEL ?HAND AROUND|over TABLE ; LOOK|SEARCH \
-     ?AROUND AGAIN|MORE|further ; FIND|SEARCH ?me THING|SOME|MORE ; give TABLE|SPACE|the .. SEARCH|FEEL ; \
-     run|bump|come|stumble ?UP into|across|ON SOME ; have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel \
-     ?AROUND|for ; keep|go ?on =looking|=searching|=exploring|=feeling ; FEEL ?about|AROUND $ ; \
-     SEARCH|LOOK|FEEL in front|before|around|AROUND ; SEARCH|LOOK|FEEL & THING|SOME ; \
-     make|do|perform|have|take ?ANY SEARCH|sweep|scan|exploration|survey ?of ; give TABLE|SPACE ; \
-     be|see|FIND what .. TABLE ; GO =fishing|=looking|=searching|=exploring ; have a poke|nose|look|feel \
-     AROUND|about ; GO =hunting ; GO through SOME ; asked: be TABLE empty|bare|clear ; be there one|any ; \
-     what you HELPING FIND|see ; what stand|lie|be|=standing|=lying ON|in TABLE|front ; be there|THING \
-     ?in|on|also|still|not|by|you SOME ; be there ?any ?MORE|else|other SOME|THING|more|MORE ; be SOME \
-     there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing ; ^ any|more \
-     SOME|MORE|others|there ; ^ SOME ?in|on|there|AROUND|ON|before|near ; HELPING there be SOME ; what be \
-     ?there|lying|standing|=lying|=standing ON|in|before|around|there|AROUND ?front ?TABLE ; HELPING you \
-     FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|near ; do|be SOME \
-     ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there ; what else ; SOME MORE ; ?if|whether \
-     there|SOME be SOME ; whether|if .. SOME & there|ON|TABLE|front ; SOME within|in ?easy ?your RANGE ; \
-     what ?THING|SOME ?HELPING be ?out there|here|ON ; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH ; \
-     be THING|SOME there ; sign|trace of SOME ; SOME ?else AROUND|there|about ; come across SOME ; be|do \
-     you ?see|have|notice SOME ?in front|before|ON|around|there ; FEEL SOME out there ; what have|do \
-     we|you|i ?have|get ?there|here ON|in|before|around ; you there SOME ?in front ; be their SOME ; get \
-     SOME ?in front|before|there|ON ; what lie|stand|be before|in you|front",
+    "told: SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of \
+     ?over|across|ON|around|at ?your|this|what ?ALL TABLE|SPACE|top|front; \
+     SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round; \
+     SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE; \
+     see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME; REACH ?out ?HAND \
+     ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME; TOUCH|GRAB|get SOME; ^ SEARCH; GO|RUN|FEEL ?HAND AROUND|over \
+     TABLE; LOOK|SEARCH ?AROUND AGAIN|MORE|further; FIND|SEARCH ?me THING|SOME|MORE; give TABLE|SPACE|the .. \
+     SEARCH|FEEL; have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for; keep|go ?on \
+     =looking|=searching|=exploring|=feeling; FEEL ?about|AROUND $; SEARCH|LOOK|FEEL & THING|SOME; \
+     make|do|perform|have|take ?ANY SEARCH|sweep|scan|exploration|survey ?of; asked: be TABLE empty|bare|clear; \
+     what you HELPING FIND|see; what stand|lie|be|=standing|=lying ON|in TABLE|front; be there ?any \
+     ?MORE|else|other SOME|THING|more|MORE; be SOME \
+     there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing; ^ any|more \
+     SOME|MORE|others|there; ^ SOME ?in|on|there|AROUND|ON|before|near; HELPING there be SOME; HELPING you \
+     FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|near; do|be SOME \
+     ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there; what else; SOME MORE; ?if|whether there|SOME be \
+     SOME; whether|if .. SOME & there|ON|TABLE|front; SOME within|in ?easy ?your RANGE; what ?THING|SOME ?HELPING \
+     be ?out there|here|ON; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH; be THING|SOME there; sign|trace of \
+     SOME; come across SOME; FEEL SOME out there; what have|do we|you|i ?have|get ?there|here ON|in|before|around",
 )
 .needs_body();
 
@@ -59,12 +49,10 @@ pub(super) const HOW_MANY: RequestKind = RequestKind::new(
         };
         Answer::tells(format!("I have felt {}{not_searched}", creature.things_in_words()))
     }),
-    "asked: how many & !UNIT|cms ; number|total|tally of THING|SOME ; what .. number|count|total|tally ; \
-     just|only one|THING|SOME ; MORE than one|two|three|THING|SOME ; one|just|only ?THING|SOME or|and \
-     MORE|two|several|NUMBER ; be there ?only|just two|three|four|five|several ; how numerous ; how SIZED \
-     be number ; give .. count|tally|total|number ; ^ count|tally ; NUMBER or NUMBER|MORE ; SOME|THING or \
-     NUMBER|MORE ; keep count|tally ; number|total $ ; how much SOME ; NUMBER or SOME|THING ; any more than \
-     NUMBER ; past: how many ; number of THING|SOME ; NUMBER or ; MORE than one|two",
+    "asked: how many & !UNIT|cms; number|total|tally of THING|SOME; what .. number|count|total|tally; just|only \
+     one|THING|SOME; MORE than one|two|three|THING|SOME; be there ?only|just two|three|four|five|several; ^ \
+     count|tally; SOME|THING or NUMBER|MORE; keep count|tally; number|total $; how much SOME; past: how many; \
+     number of THING|SOME; NUMBER or; MORE than one|two",
 );
 
 impl Conversation {

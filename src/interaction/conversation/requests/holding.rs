@@ -14,35 +14,26 @@ const CORRECTIONS: usize = 3;
 pub(super) const LIFT: RequestKind = RequestKind::new(
     ["pick it up", "picked it up"],
     Act::Handles(Conversation::lift),
-    "said: ^ ?UP off TABLE ; ^ UP ?she|he ?GO ; told: pick .. up ; LIFT|GRAB|get ?UP THING|SOME ; LIFT \
-     THING|SOME|them|UP ?UP|off|high ; LIFT ?UP ?BIT $ ; get|take|catch|have|keep|lay|GRAB ?GOOD \
-     ?firm|tight hold|grip|GRAB ?ON|of|OF THING|SOME ; PUT|PUSH|take|get|bring|PULL|hold THING|SOME ?BIT \
-     up|UP|off|upward & !to ; THING ?UP off|from the TABLE ; PUT|PUSH|take|get|GRAB THING ?UP off|from \
-     ?that TABLE ; into|in|to|the|mid air ; ^ LIFT|GRAB $ ; give THING lift ; THING up ; get|have|take \
-     hold|grip ; LIFT HAND ; carry|hold THING ; get|have|take|keep THING in|between your|BODY ; \
-     take|get|bring|have .. THING up|UP|aloft ; THING in the air ; THING off|from TABLE ; LIFT ?up AGAIN ; \
-     hold|GRAB ON THING ; hold on to THING ; up|UP|off ?TABLE|ground with THING ; into ?your BODY with \
-     THING",
+    "told: LIFT|GRAB|get ?UP THING|SOME; LIFT ?UP ?BIT $; get|take|catch|have|keep|lay|GRAB ?GOOD ?firm|tight \
+     hold|grip|GRAB ?ON|of|OF THING|SOME; PUT|PUSH|take|get|bring|PULL|hold THING|SOME ?BIT up|UP|off|upward & !to; \
+     THING ?UP off|from the TABLE; PUT|PUSH|take|get|GRAB THING ?UP off|from ?that TABLE; into|in|to|the|mid air; \
+     give THING lift; get|have|take hold|grip; LIFT HAND; carry|hold THING; THING in the air; THING off|from TABLE; \
+     hold on to THING; up|UP|off ?TABLE|ground with THING",
 )
 .needs_body();
 
 pub(super) const LET_GO: RequestKind = RequestKind::new(
     ["let go", "let go"],
     Act::Moves(|creature, _, _| creature.release()),
-    "said: ^ ?BACK DOWN ?THING ?GO $ ; ^ BACK ON TABLE ; told: LET ?THING|SOME \
-     go|loose|fall|drop|off|slip|DROP ; DROP THING|SOME ; ^ DROP $ ; leave go ; leave THING there ; leave \
-     THING ON TABLE ; PUT|lower|lay DOWN|BACK THING|SOME ; PUT|lower|lay|sit THING|SOME ?BACK ?down ON ?top \
-     ?of THING|SOME|TABLE ; open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your \
-     grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold ; PUT DOWN $ ; let THING be|stay|stand ; ^ DOWN with \
-     THING ; return THING to THING|the ?TABLE|place ; PUT|give|return THING BACK ?where|in|there|ON|again ; \
-     HAND HELPING GO off ; ON|back TABLE with THING ; BACK with THING ; HAND off THING ; open ?up ?your \
-     HAND ; THING down ; THING BACK ON TABLE ; take|get|PULL|remove|move|withdraw ?away|off|back HAND \
-     ?away|off|back from|off ?of THING ; remove HAND ; lower THING|SOME ; PUT .. THING|SOME .. down ; leg \
-     go ; THING down AGAIN ; have|want|need|like THING BACK|DOWN ; PUT THING|SOME DOWN|BACK ?again ; THING \
-     free ; DROP|PUT|lower|lay|set ?DOWN what|whatever ; rid of ?your grip|hold ; finish|end \
-     =holding|=carrying|=gripping ; part with THING ; denied: STOP|cease \
-     =holding|=gripping|=grasping|=grabbing|=carrying ; no need|longer|more .. hold|=holding ; not|longer \
-     hold|keep THING ?any ; not .. hold|GRAB .. longer|more|anymore ; not hold|GRAB ON ?to THING",
+    "told: LET ?THING|SOME go|loose|fall|drop|off|slip|DROP; DROP THING|SOME; ^ DROP $; leave go; leave THING \
+     there; leave THING ON TABLE; PUT|lower|lay DOWN|BACK THING|SOME; PUT|lower|lay|sit THING|SOME ?BACK ?down ON \
+     ?top ?of THING|SOME|TABLE; open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your \
+     grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold; PUT DOWN $; let THING be|stay|stand; ^ DOWN with THING; \
+     return THING to THING|the ?TABLE|place; PUT|give|return THING BACK ?where|in|there|ON|again; HAND HELPING GO \
+     off; ON|back TABLE with THING; open ?up ?your HAND; THING BACK ON TABLE; take|get|PULL|remove|move|withdraw \
+     ?away|off|back HAND ?away|off|back from|off ?of THING; lower THING|SOME; PUT .. THING|SOME .. down; \
+     have|want|need|like THING BACK|DOWN; denied: STOP|cease =holding|=gripping|=grasping|=grabbing|=carrying; \
+     not|longer hold|keep THING ?any; not .. hold|GRAB .. longer|more|anymore",
 );
 
 impl Conversation {

@@ -9,15 +9,11 @@ use crate::interaction::tasks::Trouble;
 pub(super) const LEAN_FORWARD: RequestKind = RequestKind::new(
     ["lean forward", "leaned forward"],
     Act::Moves(Conversation::lean),
-    "told: LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?waist|hips ?far ?MORE FORWARD ; \
-     AGAIN & LEAN FORWARD ; LEAN ?your ?PART|yourself|body ?BIT ?FAR ?MORE \
-     over|down|in|into|ON|out|across|closer|ahead|at|MORE|further ; ^ ?BIT ?MORE|FAR FORWARD $ ; \
-     come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & !THING|SOME ; come|get|go \
-     closer|nearer to|over TABLE & !THING ; move|bring|get BODY|yourself NEAR|over ON|the TABLE ; \
-     get|move|bring ?your yourself|PART|body ?BIT ?FAR FORWARD|over|further ; \
-     PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD ; GO \
-     FORWARD & !THING|ahead ; LEAN ; lower PART ON|over ; MORE FORWARD ; len FORWARD ; PULL|PUSH yourself \
-     FORWARD ; GO NEAR ?to ?TABLE with PART ; PART ?down ON|to|over TABLE ; FORWARD with you|PART",
+    "told: LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?waist|hips ?far ?MORE FORWARD; AGAIN & LEAN \
+     FORWARD; ^ ?BIT ?MORE|FAR FORWARD $; come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & \
+     !THING|SOME; come|get|go closer|nearer to|over TABLE & !THING; move|bring|get BODY|yourself NEAR|over ON|the \
+     TABLE; PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD; LEAN; \
+     MORE FORWARD; PULL|PUSH yourself FORWARD",
 )
 .needs_body();
 
@@ -27,17 +23,13 @@ pub(super) const LEAN_BACK: RequestKind = RequestKind::new(
         true => creature.back("upright again", "upright"),
         false => Ok(Answer::done("I am upright")),
     }),
-    "said: ^ BACK ?BIT $ ; told: LEAN ?PART|yourself|THING ?BIT BACK ; LEAN ?BIT away|off ; LEAN .. other \
-     way ; up you get ; STRAIGHTEN up|yourself|BODY|out|BACK|UPRIGHT ; \
-     sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP ; sit|stand ?BACK \
-     UP|BACK|properly ; raise|lift|straighten yourself|BODY & !HAND ; un bend ; take|get|pull|move|bring \
-     your|yourself|PART BACK & !HAND|THING ; UP straight ; no LEAN ; UPRIGHT ?again|BACK ; \
-     PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND ; GO|come|get|be|BACK ?BACK \
-     ?to|into|at|in ?sitting UPRIGHT|vertical ?POSE ; LEAN right|MORE|all BACK ; come|get|BACK ?BACK UP ; \
-     undo|end ?your lean ; STRAIGHTEN ; away from TABLE & LEAN ; no MORE =leaning|=bending ; ^ PART BACK \
-     $ ; ^ PART UP $ ; ^ ease|rock|recline ?BACK $ ; sit|stand|get UPRIGHT ; undo .. lean|LEAN ; GO|PULL \
-     BACK from TABLE ; denied: STOP|quit|cease =leaning|=bending ; not|stop slouch|slump|=slouching ; not \
-     LEAN any|longer|anymore ; no =slouching|=stooping",
+    "said: ^ BACK ?BIT $; told: LEAN ?PART|yourself|THING ?BIT BACK; LEAN .. other way; up you get; STRAIGHTEN \
+     up|yourself|BODY|out|BACK|UPRIGHT; sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP; \
+     sit|stand ?BACK UP|BACK|properly; raise|lift|straighten yourself|BODY & !HAND; un bend; UP straight; no LEAN; \
+     UPRIGHT ?again|BACK; PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND; GO|come|get|be|BACK \
+     ?BACK ?to|into|at|in ?sitting UPRIGHT|vertical ?POSE; LEAN right|MORE|all BACK; come|get|BACK ?BACK UP; \
+     STRAIGHTEN; away from TABLE & LEAN; sit|stand|get UPRIGHT; undo .. lean|LEAN; denied: STOP|quit|cease \
+     =leaning|=bending; not LEAN any|longer|anymore",
 )
 .needs_body();
 
@@ -47,19 +39,15 @@ pub(super) const REST: RequestKind = RequestKind::new(
         creature.actor.let_go();
         creature.back("at rest again", "back to rest")
     }),
-    "told: ^ assume|adopt|resume|take|take .. START ?old POSE ; have|take|get ?yourself|your \
-     ?GOOD|BIT|short|well ?earned|deserved rest|break|breather ; at ease ; GO|return|sit ?BACK home ; \
-     lower|drop|relax|withdraw|retract|hang|rest|DROP ?both BODY ; \
-     PUT|lower|take|bring|let|LET|lay|rest|PULL|DROP ?both HAND ?BACK \
-     DOWN|BACK|rest|hang|fall|away|in|at|by|home|drop ; HAND ?sink|fall|drop|GO DOWN|BACK $ ; HAND ?BACK \
-     ?DOWN ?please $ & DOWN|BACK ; HAND ?BACK ?DOWN to|at|by|in ?your side|sides|lap|START|rest ; settle \
-     down|BACK ; reset yourself|your|BODY ; BACK|GO|return|PUT .. where|how ?you|THING|they ?PAST \
-     start|begin|=was|=were|came|=started|=began|PAST ; RELAX ; a|short|good|BIT rest|break|breather ; take \
-     THING easy ; ^ return $ ; take five $ ; GO limp|slack ; GO BACK to|rest|START ; stand \
-     down|easy|easily ; hang loose ; park BODY ; GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your \
-     START ?POSE ; GO idle|comfortable ; START ?POSE ?please $ ; BACK ?to|at|in ?your START ?POSE ; BACK to \
-     ?your POSE ; ease off|up $ ; take|get|PULL|remove HAND off|from TABLE ; ^ reset $ ; HAND BACK ?to \
-     ?where ; ^ go to sleep ; ^ as you be",
+    "told: ^ assume|adopt|resume|take|take .. START ?old POSE; have|take|get ?yourself|your ?GOOD|BIT|short|well \
+     ?earned|deserved rest|break|breather; at ease; GO|return|sit ?BACK home; \
+     lower|drop|relax|withdraw|retract|hang|rest|DROP ?both BODY; PUT|lower|take|bring|let|LET|lay|rest|PULL|DROP \
+     ?both HAND ?BACK DOWN|BACK|rest|hang|fall|away|in|at|by|home|drop; HAND ?sink|fall|drop|GO DOWN|BACK $; HAND \
+     ?BACK ?DOWN to|at|by|in ?your side|sides|lap|START|rest; settle down|BACK; reset yourself|your|BODY; \
+     BACK|GO|return|PUT .. where|how ?you|THING|they ?PAST start|begin|=was|=were|came|=started|=began|PAST; RELAX; \
+     a|short|good|BIT rest|break|breather; take THING easy; ^ return $; GO limp|slack; GO BACK to|rest|START; stand \
+     down|easy|easily; hang loose; GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your START ?POSE; START \
+     ?POSE ?please $; BACK ?to|at|in ?your START ?POSE; take|get|PULL|remove HAND off|from TABLE; ^ reset $",
 );
 
 pub(super) const REPEAT: RequestKind = RequestKind::new(
@@ -68,16 +56,13 @@ pub(super) const REPEAT: RequestKind = RequestKind::new(
         Some(last) => creature.again(last, request, leave),
         None => Ok(Answer::failed("I have not done anything yet that I could do again")),
     }),
-    "said: ^ another $ ; told: ^ ?and ?try AGAIN ; ^ ?and AGAIN but ; from the top ; another|other \
-     go|try|time ; ^ encore ; once|one|twice|another ?last MORE ?again|time ; DO|TRY|attempt|have \
-     ?THING|so|that|SOME ?same ?thing ?ALL|over ?yet ?once ?over AGAIN|over|anew|afresh ; have|take|give \
-     ?THING ?another ?second|third|further|MORE go|try|TRY|attempt|shot|crack|stab|bash|whirl|GO ; go \
-     AGAIN|over ; DO THING ?one|once MORE|again ; DO ?that same ?again|thing ; same again|thing|procedure ; \
-     TRY ?THING ?ALL AGAIN|harder|MORE|over ; the same ?thing with|ON|AGAIN ; have|get THING AGAIN ; \
-     go|start|TRY over again ; do what you =did ; keep =trying|going ; as|like before ; second|third time ; \
-     AGAIN $ & !HELLO ; MORE time ; ^ another|MORE|second TRY|attempt ; perform|play|show|see ?THING|that \
-     AGAIN ; go through THING AGAIN ; REPEAT ; same .. with|using HAND ; another|one ?MORE go|try|attempt ; \
-     another|one ?MORE round|turn ; ^ take two ; run THING BACK",
+    "told: ^ ?and ?try AGAIN; ^ ?and AGAIN but; ^ encore; once|one|twice|another ?last MORE ?again|time; \
+     DO|TRY|attempt|have ?THING|so|that|SOME ?same ?thing ?ALL|over ?yet ?once ?over AGAIN|over|anew|afresh; \
+     have|take|give ?THING ?another ?second|third|further|MORE go|try|TRY|attempt|shot|crack|stab|bash|whirl|GO; go \
+     AGAIN|over; DO THING ?one|once MORE|again; DO ?that same ?again|thing; same again|thing|procedure; \
+     go|start|TRY over again; keep =trying|going; second|third time; AGAIN $ & !HELLO; MORE time; \
+     perform|play|show|see ?THING|that AGAIN; go through THING AGAIN; REPEAT; another|one ?MORE go|try|attempt; \
+     another|one ?MORE round|turn; ^ take two",
 );
 
 impl Conversation {

@@ -15,11 +15,10 @@ pub(super) const HOW_FAR: RequestKind = RequestKind::new(
     Act::Tells(|creature, request| {
         creature.asked_about(request).map_or_else(|a| a, |it| creature.how_far(it))
     }),
-    "asked: how many cms ; how FAR do you have ?to ; GAP & !close|BODY ; distance|range ?to|of|from|between \
-     ?THING|it ; UNIT ?off|away|from|or ; how many|much UNIT|FAR|MORE|space|room ; how long|SIZED|FAR a|be \
-     way ; how long a|be ?THING ?way to|from|distance|stretch|gap|reach ; FAR away from ; how FAR .. \
-     HELPING|have|must you .. REACH|stretch|GO|move|lean ; how much .. away|off|between ; how \
-     FAR|close|NEAR ; what .. RANGE ; be THING ?ANY UNIT FAR ; a long way ?off|away|to ; long way off|away",
+    "asked: how many cms; how FAR do you have ?to; GAP & !close|BODY; distance|range ?to|of|from|between ?THING|it; \
+     UNIT ?off|away|from|or; how many|much UNIT|FAR|MORE|space|room; how long|SIZED|FAR a|be way; how long a|be \
+     ?THING ?way to|from|distance|stretch|gap|reach; how FAR|close|NEAR; what .. RANGE; a long way ?off|away|to; \
+     long way off|away",
 );
 
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::new(
@@ -27,64 +26,50 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::new(
     Act::Tells(|creature, request| {
         creature.asked_about(request).map_or_else(|a| a, |it| creature.near_or_far(it, request))
     }),
-    "asked: FAR or|versus|and|not ?NEAR ; or ?some ?long way off|away ; \
-     within|in|inside|out|outside|beyond|at ?of ?easy|your|HAND|arm ?arm|easy|own RANGE & !put ; \
-     REACHABLE ; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR & !from|how|where ; \
-     have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step ; \
-     able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to \
-     REACH|TOUCH|get|GRAB|=reaching|=touching ; ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able \
-     ?to ?ever ?maybe !feel REACH|TOUCH|GRAB|get|make THING|SOME|to|that|at|there ; able ; \
-     can|could|will|would|may|might|do BODY ?ever REACH|get|make|TOUCH ; BODY long|enough ; BODY be ?long \
-     enough|long ; REACH THING|SOME|that|there ; get at|to THING ; HELPING THING be \
-     =reached|=touched|=grasped ; near enough ; close enough ; far enough ; how easily|well|easy & REACH ; \
-     FAR $ ; close|near at hand ; to hand ; get that FAR ; get there ; touch THING from|without ; which \
-     ?THING be NEAR ; HELPING .. need|have ?to LEAN ; i|you PUSH|PULL THING NEAR ; HELPING you make THING",
+    "asked: FAR or|versus|and|not ?NEAR; or ?some ?long way off|away; within|in|inside|out|outside|beyond|at ?of \
+     ?easy|your|HAND|arm ?arm|easy|own RANGE & !put; REACHABLE; be THING|SOME|there ?still|ALL|that|BIT ?that \
+     NEAR|FAR & !from|how|where; have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step; \
+     able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching; \
+     ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe !feel REACH|TOUCH|GRAB|get|make \
+     THING|SOME|to|that|at|there; able; BODY long|enough; BODY be ?long enough|long; REACH THING|SOME|that|there; \
+     get at|to THING; HELPING THING be =reached|=touched|=grasped; near enough; close enough; far enough; FAR $; \
+     which ?THING be NEAR; HELPING .. need|have ?to LEAN",
 )
 .needs_body();
 
 pub(super) const WHERE_OWN: RequestKind = RequestKind::new(
     ["tell where it is", "told where it is"], Act::Tells(Conversation::where_own),
-    "told: find|locate BODY $ ; show ?me BODY ; asked: WHEREABOUTS ?of|are|be BODY ; WHEREABOUTS .. BODY ; \
-     be BODY now|there|here|UP|DOWN $ ; be BODY ?still \
-     bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended ; \
-     how|what ?high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY ; how high|low|FAR|bent .. \
-     BODY ; which|what WHEREABOUTS|side|way|height|level .. BODY ; TELL|know|find BODY $ ; what be BODY \
-     do ; BODY be where|located|now ; BODY .. ?is WHEREABOUTS ; what POSE|position .. BODY ; BODY bent",
+    "told: show ?me BODY; asked: WHEREABOUTS .. BODY; be BODY ?still \
+     bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended; \
+     how|what ?high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY; which|what \
+     WHEREABOUTS|side|way|height|level .. BODY; TELL|know|find BODY $; BODY .. ?is WHEREABOUTS",
 )
 .needs_body();
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
     ["tell where I feel it", "told where I feel it"],
     Act::Tells(|creature, _| Answer::tells(creature.where_felt())),
-    "told: ^ contact where ; asked: where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we ; \
-     WHEREABOUTS of|OF|be THING|SOME|you ; WHEREABOUTS ; which|what \
-     WHEREABOUTS|side|part|limb|way|direction|receptor|finger ; be THING ?MORE ?now|STILL|somewhere|UPRIGHT \
-     ?to|ON|at|in ?your|my left|right|ahead|front|behind|side|above|below|middle ; which|what ?of ?your \
-     HAND|BODY|part|limb|hand|arm ; which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY ; \
-     TELL|KNOW|show .. where|side ; where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense ; which|what \
-     HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press ; which|what \
-     place|spot|part ?of BODY|body ; where ON you|your|BODY HELPING|be ; locate THING & words ; left|right \
-     side ; on|to your left|right ; where .. ON ?your BODY|skin|body|you ; with|by what|which .. \
-     FEEL|TOUCH ; with|by what|which HELPING|do you FEEL|TOUCH ?THING ; where|whereabouts HELPING|do|be \
-     you|THING FEEL|TOUCH ?THING ; behind|front|left|right .. or ; where|which .. contact|touch ; past: \
-     where & you|THING|SOME|BODY|HAND ; where",
+    "asked: where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we; WHEREABOUTS of|OF|be THING|SOME|you; \
+     WHEREABOUTS; which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger; be THING ?MORE \
+     ?now|STILL|somewhere|UPRIGHT ?to|ON|at|in ?your|my left|right|ahead|front|behind|side|above|below|middle; \
+     which|what ?of ?your HAND|BODY|part|limb|hand|arm; which|what part|area|patch|piece|bit|spot|place of|on \
+     you|your|BODY; where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense; which|what \
+     HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press; which|what \
+     place|spot|part ?of BODY|body; where ON you|your|BODY HELPING|be; where .. ON ?your BODY|skin|body|you; \
+     behind|front|left|right .. or; past: where & you|THING|SOME|BODY|HAND",
 );
 
 pub(super) const WHAT_FELT: RequestKind = RequestKind::new(
     ["tell what I feel", "told what I feel"],
     Act::Tells(|creature, _| creature.what_felt()),
-    "asked: can|could you FEEL ?SOME|THING|ANY ; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice ; \
-     what you be FEEL|TOUCH|sense ; ^ still FEEL THING|SOME ; what|do|be|HELPING|how|tell|if|whether|any .. \
-     FEEL|sense|perceive|notice|detect|contact ; what|be|do|how .. =touching|=touches|=feeling ; \
-     any|which|what|your|the|in ?any CONTACT ; SOME|THING|who|i|what \
-     TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at BODY|you|your ; be|do \
-     SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any TOUCH|contact|CONTACT|press|against|hold|FEEL ; \
-     what be in|ON|at|under|against HAND|BODY ; you FEEL|sense|TOUCH|hold ; ^ \
-     =feeling|=touching|=holding|=sensing ; FEEL SOME ; SOME ?else under|at|against|in|beneath|ON \
-     HAND|BODY ; do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING ; hold SOME|THING ; \
-     have|do|be you|BODY ?have|get hold|grip of ; receptors|receptor ; be ?any ?of ?your receptors|skin \
-     ANY ; TELL ?me what HAND|BODY be|do FEEL|TOUCH ; what ?be THING|SOME ?that in|ON|under|at|beneath \
-     BODY ; FEEL me ; get|have SOME ?in|ON BODY",
+    "asked: can|could you FEEL ?SOME|THING|ANY; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice; ^ still FEEL \
+     THING|SOME; what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact; \
+     what|be|do|how .. =touching|=touches|=feeling; any|which|what|your|the|in ?any CONTACT; SOME|THING|who|i|what \
+     TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at BODY|you|your; be|do \
+     SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any TOUCH|contact|CONTACT|press|against|hold|FEEL; what be \
+     in|ON|at|under|against HAND|BODY; you FEEL|sense|TOUCH|hold; FEEL SOME; SOME ?else \
+     under|at|against|in|beneath|ON HAND|BODY; do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING; \
+     have|do|be you|BODY ?have|get hold|grip of; receptors|receptor; get|have SOME ?in|ON BODY",
 );
 
 /// Names as they are listed: "a, b and c".

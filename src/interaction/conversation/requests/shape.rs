@@ -20,48 +20,37 @@ const ROUGHLY: f64 = 0.005;
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind::new(
     ["feel its shape", "felt its shape"],
     Act::Handles(Conversation::feel_shape),
-    "said: ^ ALL AROUND|over|sides ?THING $ ; told: FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work \
-     .. FORM|EDGE|SIZE ; RUN .. EDGE|FORM ; FEEL|FIND|EXAMINE|see ?out what THING|SOME be|look ; \
-     FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED ; RUN ?with ?your HAND|PART ?slowly ?ALL ?way \
-     AROUND|over|along THING|the|its|EDGE ; HAND|PART ?ALL ?way over|around|round|along|across THING ; \
-     EXAMINE|SEARCH|palpate THING ; FEEL ?ALL ?way AROUND|over|about THING ; FEEL|TOUCH THING \
-     ALL|over|AROUND|up|from|closely ; FEEL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is \
-     SHAPED|like|box ; get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL ?for|of|over ; GO|RUN ?ALL \
-     over|AROUND|along ?ALL ?its EDGE|THING ; get|come to KNOW|EXAMINE|learn THING|FORM ; wrap|put|close \
-     HAND AROUND THING ; FIND|work|figure|make out what KIND|FORM ; GO ?ALL ?way AROUND|over|along THING ; \
-     FEEL every|ALL ; FEEL THING ; give THING .. FEEL ; FEEL what KIND ; FIND out what THING ; \
-     EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each ?face|side|part|bit|face|sides OF THING ; RUN \
-     ?HAND over ?every|ALL side|face|part of THING ; MORE contact|points ON THING ; TOUCH THING \
-     in|at|from|on .. places|sides|points|spots|times & MORE|NUMBER|ALL|many|different|several ; familiar \
-     ?with ; have a fiddle|play with THING",
+    "told: FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE; FEEL|FIND|EXAMINE|see ?out \
+     what THING|SOME be|look; FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED; RUN ?with ?your HAND|PART \
+     ?slowly ?ALL ?way AROUND|over|along THING|the|its|EDGE; EXAMINE|SEARCH|palpate THING; FEEL ?ALL ?way \
+     AROUND|over|about THING; FEEL|TOUCH THING ALL|over|AROUND|up|from|closely; FEEL|FIND|EXAMINE ?out \
+     whether|if|what ?THING ?be|is SHAPED|like|box; get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL \
+     ?for|of|over; GO|RUN ?ALL over|AROUND|along ?ALL ?its EDGE|THING; get|come to KNOW|EXAMINE|learn THING|FORM; \
+     wrap|put|close HAND AROUND THING; FIND|work|figure|make out what KIND|FORM; FEEL THING; give THING .. FEEL; \
+     FEEL what KIND; FIND out what THING; EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each \
+     ?face|side|part|bit|face|sides OF THING; TOUCH THING in|at|from|on .. places|sides|points|spots|times & \
+     MORE|NUMBER|ALL|many|different|several",
 )
 .needs_body();
 
 pub(super) const HOW_BIG: RequestKind = RequestKind::new(
     ["tell how big it is", "told how big it is"],
     Act::Tells(|creature, _| creature.felt_in_words("how big it is")),
-    "asked: how ?SIZED SIZED ; how SIZED .. THING ; as SIZED as ; SIZE ; be|do THING|SOME \
-     ?seem|feel|look|appear ?that|ALL|BIT SIZED ; bigger|smaller|larger|taller|wider|longer|higher \
-     ?or|than ; what do THING measure ; fit in|into|inside|between ?one|your HAND|BODY ; SIZED or SIZED ; \
-     SIZE of THING ; THING ?be SIZED ; measure THING ; be THING SOME & SIZED ; how much space|room .. \
-     take|have ; UNIT SIZED ; how many UNIT SIZED ; small|big|large enough",
+    "asked: how SIZED .. THING; as SIZED as; SIZE; be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED; \
+     bigger|smaller|larger|taller|wider|longer|higher ?or|than; fit in|into|inside|between ?one|your HAND|BODY; \
+     THING ?be SIZED; small|big|large enough",
 );
 
 pub(super) const WHAT_SHAPE: RequestKind = RequestKind::new(
     ["tell its shape", "told its shape"],
     Act::Tells(|creature, _| creature.felt_in_words("its shape")),
-    "told: TELL ?me ?about its|the FORM ; asked: HELPING THING be SOME ; FORM ; be|do THING|SOME|they \
-     ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?be ?be ?like SHAPED ; be|do THING|SOME \
-     ?seem|feel|look ?MORE ?like|to ?be SOME ; describe THING|SOME|its ; what ?KIND ?of ?SOME|THING \
-     do|be|HELPING THING|SOME ?look|feel|seem|be ?like|resemble ; what .. THING look|feel ?like ; what KIND \
-     of THING|SOME ?be|have|do ; SHAPED or|and|nor SHAPED ; any SHAPED|EDGE ON ; THING have SHAPED|EDGE ; \
-     be there any SHAPED|EDGE ; MORE like a|an|SOME ; SOME or SOME ; have THING ?get|any SHAPED|EDGE|a ; \
-     SHAPED or ; recognise|recognize|identify THING ; what THING|that be ; be|do ?its \
-     side|sides|top|edges|surface SHAPED ; what ?HELPING you TELL|say|KNOW ?me about|of THING|its ; THING \
-     SHAPED ; any SHAPED ; THING be .. SHAPED ; description ; how be THING FORM ; how do THING \
-     FEEL|look|seem ; what have ?you ?we get|=got there|here ; impression of ; what HELPING you call \
-     THING ; what do you make of THING ; how many side|sides|corners|edges|faces ; what you think THING \
-     be ; make out ?its FORM",
+    "told: TELL ?me ?about its|the FORM; asked: HELPING THING be SOME; FORM; be|do THING|SOME|they \
+     ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?be ?be ?like SHAPED; be|do THING|SOME ?seem|feel|look \
+     ?MORE ?like|to ?be SOME; describe THING|SOME|its; what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME \
+     ?look|feel|seem|be ?like|resemble; what .. THING look|feel ?like; what KIND of THING|SOME ?be|have|do; SHAPED \
+     or|and|nor SHAPED; any SHAPED|EDGE ON; THING have SHAPED|EDGE; SOME or SOME; have THING ?get|any \
+     SHAPED|EDGE|a; what THING|that be; what ?HELPING you TELL|say|KNOW ?me about|of THING|its; THING be .. SHAPED; \
+     description; how do THING FEEL|look|seem; what you think THING be",
 );
 
 impl Conversation {

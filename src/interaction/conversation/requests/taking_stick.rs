@@ -10,19 +10,18 @@ use crate::interaction::tasks::tried;
 pub(super) const TAKE_STICK: RequestKind = RequestKind::new(
     ["take the stick", "took the stick"],
     Act::Moves(Conversation::take_stick),
-    "told: GRAB|have|get|accept|pick|lift|KEEP ?up STICK ; reach for STICK ; i .. GIVE|hand|hold .. you .. \
-     STICK ; GIVE you STICK ; STICK for you ; for you STICK ; STICK & take|hold|GRAB|get ; here ?you ?go \
-     STICK",
+    "told: GRAB|have|get|accept|pick|lift|KEEP ?up STICK; reach for STICK; i .. GIVE|hand|hold .. you .. STICK; \
+     GIVE you STICK; STICK for you; for you STICK; STICK & take|hold|GRAB|get; here ?you ?go STICK",
 )
 .needs_body();
 
 pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
     ["give the stick back", "gave the stick back"],
     Act::Moves(|creature, _, _| creature.give_stick_back()),
-    "told: GIVE ?me ?BACK STICK ?BACK ; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off ; PUT \
-     DOWN|away|BACK|SIDEWAYS STICK ; LET|leave ?go of|off STICK ; STICK BACK|down|away ; get rid of STICK ; \
-     leave|lose|DROP|LET|return STICK ; STICK & give|return|DROP ; away with STICK ; let me have STICK ; \
-     off with STICK ; asked: i|we ?have|get .. STICK BACK ; denied: stop|STOP =using|=holding STICK",
+    "told: GIVE ?me ?BACK STICK ?BACK; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off; PUT DOWN|away|BACK|SIDEWAYS \
+     STICK; LET|leave ?go of|off STICK; STICK BACK|down|away; get rid of STICK; leave|lose|DROP|LET|return STICK; \
+     STICK & give|return|DROP; away with STICK; let me have STICK; off with STICK; asked: i|we ?have|get .. STICK \
+     BACK; denied: stop|STOP =using|=holding STICK",
 );
 
 pub(super) const STICK_KNOWN: RequestKind = RequestKind::new(

@@ -18,56 +18,45 @@ const LAST: usize = 4;
 pub(super) const GREET: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
-    "said: GOOD to meet|see you ; i be back ; how have you be ; ^ HELLO ; ^ GOOD|good \
-     morning|afternoon|evening|day ; ^ morning|evening|afternoon ; long time no see ; good to be back ; \
-     make your acquaintance ; asked: how be THING|life|everything|things|you|ALL ?going ; how do you do ; \
-     you|are|be ?you ok|okay|alright|well $ ; what be UP $ ; ^ be you there|=awake|wake $ ; ^ you =awake \
-     $ ; what be new",
+    "said: GOOD to meet|see you; how have you be; ^ HELLO; ^ GOOD|good morning|afternoon|evening|day; ^ \
+     morning|evening|afternoon; make your acquaintance; asked: how be THING|life|everything|things|you|ALL ?going; \
+     how do you do; you|are|be ?you ok|okay|alright|well $; what be UP $; what be new",
 );
 
 pub(super) const THANKS: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("You are welcome")),
-    "said: THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much ; owe you ; impressed ; \
-     well|nicely =done|do ; ^ GOOD BEING|boy|one ; GOOD of you ; GOOD job|work|effort ; how kind ; THING be \
-     ?so ?very GOOD ; you be GOOD ; way to go ; very|so GOOD ; ^ what a GOOD ; ^ GOOD $ ; you nail THING ; \
-     you rock ; well play|=played ; i like how|what|that ; past: you =have =been ?GOOD help|GOOD ; you =did \
-     GOOD ; ^ that be ?so GOOD ?of ?you",
+    "said: THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much; impressed; well|nicely =done|do; ^ \
+     GOOD BEING|boy|one; GOOD of you; GOOD job|work|effort; how kind; THING be ?so ?very GOOD; you be GOOD; very|so \
+     GOOD; ^ GOOD $; past: you =have =been ?GOOD help|GOOD; ^ that be ?so GOOD ?of ?you",
 );
 
 pub(super) const YES: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")),
-    "said: i agree ; that|THING suits|works|suit ; ^ that would be GOOD $ ; ^ well $ ; i \
-     think|suppose|guess|believe|hope so ; what i mean|want ; ^ make THING so ; you ?have =got|understand \
-     THING|me|right ; ^ YES ; ^ go ahead|on ; ^ go for it ; ^ DO it|so|that|THING $ ; ^ DO $ ; ^ of \
-     course ; ^ that|THING be right|correct|true|fine|it ; ^ by all means ; ^ you may|can|should $ ; ^ why \
-     not $ ; ^ that|THING be one|idea|case $ ; ^ you|uh huh $ ; ^ i|you do ; ^ ALL right $ ; ^ please $ ; ^ \
-     ?YES that|THING be THING $ ; ^ you bet ; ^ sounds GOOD ; you understand ?me|THING|right ; past: ^ you \
-     have|=got THING|that $",
+    "said: i agree; ^ YES; ^ go ahead|on; ^ go for it; ^ DO it|so|that|THING $; ^ DO $; ^ of course; ^ that|THING \
+     be right|correct|true|fine|it; ^ by all means; ^ you may|can|should $; ^ why not $; ^ i|you do; ^ ALL right $; \
+     ^ please $; ^ ?YES that|THING be THING $; ^ you bet",
 );
 
 pub(super) const NO: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("All right, I do nothing")),
-    "said: i disagree ; not what i mean|want ; i do not mean ; =misunderstood ; change|changed my mind ; ^ \
-     NO ; ^ wrong|incorrect|false ; ^ not really|quite|THING|yet|now|so|right|correct|true|me|at|in ; ^ \
-     that|THING be not|wrong|false|incorrect ; ^ i do not think|want|believe ; ^ YES not ; ^ rather|better \
-     not ; ^ never|not $ ; ^ i would rather not ; ^ let us not ; ^ no thank|THANKS ?you ; i =said no ; \
-     past: you =got|get THING|that|me wrong",
+    "said: i disagree; not what i mean|want; change|changed my mind; ^ NO; ^ wrong|incorrect|false; ^ not \
+     really|quite|THING|yet|now|so|right|correct|true|me|at|in; ^ that|THING be not|wrong|false|incorrect; ^ i do \
+     not think|want|believe; ^ rather|better not; ^ never|not $; ^ i would rather not; ^ let us not; ^ no \
+     thank|THANKS ?you; i =said no",
 );
 
 pub(super) const WHICH: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(Conversation::which),
-    "said: THING ?that i mean|want|need|think ; i be|was =talking|=thinking about|of THING ; about THING \
-     $ ; ^ ?not ?it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR \
-     ?your ?my ?left|right|side|front|back|mean|want|end|other $ ; ^ ON ?your|my left|right ; ^ \
-     first|second|third|last|left|right|NEAR|FAR $ ; ^ i mean|want|choose|pick|prefer|meant THING ; ^ \
-     either|whichever|any $ ; ^ either|whichever|any of THING ; ^ number NUMBER ; THING ?be THING ; ^ not \
-     THING THING ; say THING|first|second|last ; ^ leftmost|rightmost|either|whichever ?you \
-     ?like|want|please ; THING ?over ON left|right ; not matter which ; ^ left|right ?hand ?side \
-     one|THING ; which ?THING ?you like ; told: ^ choose|mean THING|one",
+    "said: THING ?that i mean|want|need|think; i be|was =talking|=thinking about|of THING; ^ ?not \
+     ?it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR ?your ?my \
+     ?left|right|side|front|back|mean|want|end|other $; ^ ON ?your|my left|right; ^ \
+     first|second|third|last|left|right|NEAR|FAR $; ^ i mean|want|choose|pick|prefer|meant THING; ^ \
+     either|whichever|any $; ^ number NUMBER; THING ?be THING; ^ leftmost|rightmost|either|whichever ?you \
+     ?like|want|please; THING ?over ON left|right; not matter which",
 );
 
 pub(super) const WHO: RequestKind = RequestKind::new(
@@ -78,45 +67,34 @@ pub(super) const WHO: RequestKind = RequestKind::new(
             "I am {name}. I am blindfolded: I know my body from touching myself, and what is about me from what I feel"
         ))
     }),
-    "told: TELL|give ?me|us ?your who|name|yourself $ ; asked: who HELPING|be you ; who you be ; who i be \
-     ?=talking|=speaking ; who|what ?you|exactly be you ; who|whom do|be|have i|we \
-     have|the|TELL|=talking|=speaking|SPEAK ; which|what KIND|BEING ?of ?BEING|THING|SOME be|are you ; your \
-     purpose|function|job|name ; ^ ?and you be $ ; you have name ; be you ?called|named \
-     BEING|real|alive|virtual|SOME|max ; you be max ; INTRODUCE yourself ; how be you =called ; \
-     call|named|name you ; who be =speaking|=talking|there|this ; what you be|call|called ; about \
-     yourself ; what HELPING|be i call you ; be this|that BEING ; what be this program ; identify|introduce \
-     yourself",
+    "asked: who HELPING|be you; who you be; who|what ?you|exactly be you; who|whom do|be|have i|we \
+     have|the|TELL|=talking|=speaking|SPEAK; which|what KIND|BEING ?of ?BEING|THING|SOME be|are you; your \
+     purpose|function|job|name; ^ ?and you be $; you have name; be you ?called|named \
+     BEING|real|alive|virtual|SOME|max; you be max; INTRODUCE yourself; call|named|name you; who be \
+     =speaking|=talking|there|this; about yourself; be this|that BEING; identify|introduce yourself",
 );
 
 pub(super) const HELP: RequestKind = RequestKind::new(
     ["help", "helped"],
     Act::Tells(|_, _| Answer::tells(ABILITIES)),
-    "said: ^ i =need|=want .. help|assistance ; ^ i could|can ?use ?some help ; ^ how do|does THING|it \
-     work ; ^ i be stuck|lost|confused ; ^ sos ; told: give|show ?me|us .. COMMANDS ; \
-     guide|instruct|help|assist|teach me ; walk me through ; asked: what ?all you can|could|may do ; how \
-     this|THING|that work ; what to SPEAK|TELL|do ; what ?else|ALL|things|KIND|sort ?of ?SOME|THING HELPING \
-     you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO ; what ?KIND|THING|SOME \
-     ?of ?THING|SOME HELPING i|we|you ; what be you able|capable|good|for ; \
-     what|which|list|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS ; help ?me|us ?out \
-     $ ; what be possible ; what be my|the options|choices|possibilities ; what HELPING be \
-     =done|=asked|=said|done|asked ; be there ?any COMMANDS|help ; what you HELPING|understand|KNOW $ ; how \
-     .. ?to USE you ; what KIND|sort .. requests|COMMANDS ; what i HELPING|do ; how HELPING i ; be there \
-     SOME ?that you HELPING ; how do one|somebody|people SPEAK|USE ; THING|SOME ?that you HELPING do ; how \
-     do you work|function ; what next|now|else $ ; show me what you ?have ?got|can|know ; ^ COMMANDS",
+    "said: ^ i =need|=want .. help|assistance; ^ i could|can ?use ?some help; ^ how do|does THING|it work; ^ i be \
+     stuck|lost|confused; told: give|show ?me|us .. COMMANDS; guide|instruct|help|assist|teach me; walk me through; \
+     asked: what ?all you can|could|may do; what to SPEAK|TELL|do; what ?else|ALL|things|KIND|sort ?of ?SOME|THING \
+     HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO; what be you \
+     able|capable|good|for; what|which|list|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS; help \
+     ?me|us ?out $; what be possible; what be my|the options|choices|possibilities; be there ?any COMMANDS|help; \
+     what you HELPING|understand|KNOW $; how .. ?to USE you; what i HELPING|do; how HELPING i; how do you \
+     work|function; what next|now|else $; ^ COMMANDS",
 );
 
 pub(super) const REPORT: RequestKind = RequestKind::new(
     ["report", "reported"],
     Act::Tells(Conversation::report),
-    "told: ^ summarise|summarize|recap|recount|sum ; update|brief|debrief me ; fill me in ; the \
-     result|outcome|upshot|summary|story ; asked: what you =did|=have|PAST ; how many times ; what ?have \
-     HAPPEN ; how do|be THING|that go|went|turn ; success|successful ; what be result|outcome|upshot ; what \
-     =went|=goes wrong|well|right ; be you|THING|ALL =done|=finished|finish|successful|through ; \
-     summary|report|recap|recount ; status|progress ; what be|have you|HAND =doing|=done ; ^ ?ALL \
-     =done|=finished $ ; how would THING go ; =going|=happening on ; past: you ; what|how|where =went|go ; \
-     how many time|times & you ; you|BODY|HAND|THING|SOME PAST ; what ?be result|outcome|upshot ; \
-     THING|SOME GO|work|HAPPEN|succeed|fall|fail ; HAPPEN ; success|luck|work|successful ; ^ HELPING|be \
-     you|THING|SOME ; how .. that ; what come|came of|out ; what have =been",
+    "told: the result|outcome|upshot|summary|story; asked: what ?have HAPPEN; how do|be THING|that go|went|turn; \
+     success|successful; what be result|outcome|upshot; summary|report|recap|recount; status|progress; ^ ?ALL \
+     =done|=finished $; past: you; what|how|where =went|go; how many time|times & you; you|BODY|HAND|THING|SOME \
+     PAST; what ?be result|outcome|upshot; THING|SOME GO|work|HAPPEN|succeed|fall|fail; HAPPEN; \
+     success|luck|work|successful; ^ HELPING|be you|THING|SOME; what come|came of|out",
 );
 
 impl Conversation {

@@ -23,17 +23,14 @@ pub(super) const TOUCH: RequestKind = RequestKind::new(
         }
         touched
     }),
-    "told: ^ USE STICK ?to|for|on ?TOUCH ; TOUCH ?on|at|against|up THING|SOME|HAND|them ; ^ TOUCH ; GO \
-     ?over ON|and THING ; REACH ?out ?and|for|to ?TOUCH THING ; \
-     PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land ?your|one|both ?down|out \
-     HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in ?CONTACT|touch|top|with \
-     ?with|of THING|SOME ; make|have|get CONTACT|contact|touch ?with ; make|get|have ?in CONTACT with \
-     THING|SOME ; USE HAND ?to|for|on ?TOUCH ; HAND ?should|must|be|GO ?be|go|should ?be ON THING ; HAND ON \
-     THING|SOME ; ^ HAND $ ; ^ ?but|and|do|try ?THING with|use HAND ?instead|now $ ; REACH ?out ?and|to|for \
-     TOUCH ; switch|change|swap ?over ?to HAND ; TOUCH & THING ; HAND TOUCH THING ; ^ THING & \
-     other|instead ; HAND TOUCH ; PUT|lay|get .. HAND|finger|fingertip .. ON THING ; contact|CONTACT .. \
-     THING ; give THING .. TOUCH|dab|poke|tap|touch ; TOUCH THING ?with other|left|right ; establish \
-     contact|CONTACT ; go for THING & !it",
+    "told: ^ USE STICK ?to|for|on ?TOUCH; TOUCH ?on|at|against|up THING|SOME|HAND|them; ^ TOUCH; GO ?over ON|and \
+     THING; REACH ?out ?and|for|to ?TOUCH THING; PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land \
+     ?your|one|both ?down|out HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in \
+     ?CONTACT|touch|top|with ?with|of THING|SOME; make|get|have ?in CONTACT with THING|SOME; USE HAND ?to|for|on \
+     ?TOUCH; HAND ?should|must|be|GO ?be|go|should ?be ON THING; HAND ON THING|SOME; ^ HAND $; ^ ?but|and|do|try \
+     ?THING with|use HAND ?instead|now $; REACH ?out ?and|to|for TOUCH; switch|change|swap ?over ?to HAND; TOUCH & \
+     THING; HAND TOUCH THING; ^ THING & other|instead; HAND TOUCH; PUT|lay|get .. HAND|finger|fingertip .. ON \
+     THING; give THING .. TOUCH|dab|poke|tap|touch; TOUCH THING ?with other|left|right",
 )
 .needs_body();
 
