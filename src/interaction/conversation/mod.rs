@@ -16,7 +16,7 @@ pub use requests::Intent;
 
 use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, UnknownWord};
 use self::mind::Mind;
-use self::requests::{Act, Answer, Hindrance, REQUESTS};
+use self::requests::{Act, Acted, Answer, REQUESTS};
 use super::actor::Actor;
 use super::tasks::{Grip, Search, Trouble, tried};
 use crate::creature::Posture;
@@ -182,9 +182,7 @@ impl Conversation {
                     let there = if touch.off < 0.005 { "there" } else { &format!("{off} from there") };
                     Answer::done(format!("{feels}, and put my {hand} {there}"))
                 });
-                let hindered =
-                    |trouble| self.hindered(&format!("{feels}, but cannot put a hand there"), trouble);
-                told.map_err(hindered).or_else(Hindrance::answer)?
+                self.answered(told, &format!("{feels}, but cannot put a hand there"))?
             }
         };
         let mut reply = self.reply(Intent::FeelTouch, answer);
@@ -261,13 +259,8 @@ impl Conversation {
             }),
             (Act::Tells(_) | Act::Minds(_), _) => return Ok(self.not_understood(&[])),
         };
-        let answer = match acted {
-            Err(Hindrance::Met(trouble)) => {
-                let [doing, _] = requests::doing(intent, request.part.as_ref());
-                self.hindered(&format!("I cannot {doing}"), trouble).answer()?
-            }
-            acted => acted.or_else(Hindrance::answer)?,
-        };
+        let [doing, _] = requests::doing(intent, request.part.as_ref());
+        let answer = self.answered(acted, &format!("I cannot {doing}"))?;
         let mut reply = self.reply(intent, answer);
         self.heed_unexpected(&mut reply);
         self.mind.remember_places();
@@ -278,12 +271,17 @@ impl Conversation {
         Ok(reply)
     }
 
-    /// That something went wrong, and what it says of it; a failure of the engine is passed on.
-    fn hindered(&self, what: &str, trouble: Trouble) -> Hindrance {
+    /// What it says of something that went wrong; a failure of the engine is passed on.
+    fn hindered(&self, what: &str, trouble: Trouble) -> Trouble {
         match trouble {
-            Trouble::Engine(_) => Hindrance::Met(trouble),
-            trouble => Answer::failed(format!("{what}: {}", self.in_words(&trouble))).into(),
+            Trouble::Engine(_) | Trouble::Told(_) => trouble,
+            trouble => Trouble::Told(format!("{what}: {}", self.in_words(&trouble))),
         }
+    }
+
+    /// What it says of what it did, or of why that could not be done.
+    fn answered(&self, acted: Acted, cannot: &str) -> Result<Answer> {
+        acted.or_else(|trouble| Ok(Answer::failed(self.hindered(cannot, trouble).of_task()?.to_string())))
     }
 
     /// Puts down what it holds, unless what it is to do is done with it.

@@ -56,6 +56,8 @@ pub enum Trouble {
     TooWide,
     /// A thing slipped out from between the palms.
     Slipped,
+    /// What is said of it.
+    Told(String),
     /// The engine failed.
     Engine(Error),
 }
@@ -99,6 +101,7 @@ impl std::fmt::Display for Trouble {
             Trouble::NoSides => write!(f, "I cannot get my hands to both sides of it"),
             Trouble::TooWide => write!(f, "it is too wide for my hands"),
             Trouble::Slipped => write!(f, "it slips from between my hands"),
+            Trouble::Told(said) => f.write_str(said),
             Trouble::Engine(error) => error.fmt(f),
         }
     }

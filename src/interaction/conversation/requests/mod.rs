@@ -50,38 +50,8 @@ pub(super) enum Act {
     Handles(fn(&mut Conversation, &KnownThing, &Request) -> Acted),
 }
 
-/// What is said of what was done, or why it could not be.
-pub(super) type Acted = Result<Answer, Hindrance>;
-
-/// Why it did not do what was wanted.
-pub(super) enum Hindrance {
-    /// It says so.
-    Said(Answer),
-    /// Something went wrong.
-    Met(Trouble),
-}
-
-impl Hindrance {
-    /// What it says; only a failure of the engine is passed on.
-    pub fn answer(self) -> Result<Answer> {
-        match self {
-            Hindrance::Said(answer) => Ok(answer),
-            Hindrance::Met(trouble) => Ok(Answer::failed(trouble.of_task()?.to_string())),
-        }
-    }
-}
-
-impl From<Answer> for Hindrance {
-    fn from(answer: Answer) -> Hindrance {
-        Hindrance::Said(answer)
-    }
-}
-
-impl<T: Into<Trouble>> From<T> for Hindrance {
-    fn from(trouble: T) -> Hindrance {
-        Hindrance::Met(trouble.into())
-    }
-}
+/// What is said of what was done, or what hindered it.
+pub(super) type Acted = Result<Answer, Trouble>;
 
 /// What is said to a request.
 pub(super) struct Answer {

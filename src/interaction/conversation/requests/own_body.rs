@@ -70,7 +70,7 @@ impl Conversation {
             return Ok(Answer::asks("Which part of me do you mean?"));
         };
         let found = body_part::find(&self.actor, part, self.hand_touching());
-        let found = found.map_err(Answer::failed)?;
+        let found = found.map_err(Trouble::Told)?;
         let by = self.hand_for(request.hand);
         if request.stick && self.actor.stick_tip().is_none() {
             return Ok(Answer::failed("I hold no stick"));

@@ -5,6 +5,7 @@ use super::super::Conversation;
 use super::super::speaking::cm;
 use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::conversation::grammar::Request;
+use crate::interaction::tasks::Trouble;
 use crate::interaction::things::{KnownShape, KnownThing};
 use crate::peripersonal::FeltLength;
 
@@ -64,7 +65,7 @@ impl Conversation {
             Some(found) => found,
             None => {
                 let answer = self.touch(thing, self.hand_for(request.hand), request.lean)?;
-                touched_now(self).ok_or_else(|| Answer::failed(answer.said))?
+                touched_now(self).ok_or(Trouble::Told(answer.said))?
             }
         };
         self.mind.things.parted();

@@ -2,7 +2,7 @@
 
 use super::super::Conversation;
 use super::super::speaking::cm;
-use super::{Act, Acted, Answer, Hindrance, RequestKind};
+use super::{Act, Acted, Answer, RequestKind};
 use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 use crate::peripersonal::{Level, OutOfReach};
@@ -16,7 +16,7 @@ pub(super) const TOUCH: RequestKind = RequestKind::new(
         let hand = creature.hand_for(request.hand);
         let touched = creature.touch(thing, hand, request.lean);
         // What is too far for the hand may not be for a stick that he holds.
-        let could_not = matches!(touched, Err(Hindrance::Said(_)));
+        let could_not = matches!(touched, Err(Trouble::Told(_)));
         let may = could_not && hand.is_none() && creature.actor.stick_tip().is_some();
         if may && creature.is_out_of_hands_reach(thing) {
             return creature.touch_with_stick(thing, request.lean);
@@ -43,7 +43,7 @@ impl Conversation {
 
     /// Touches a thing with the tip of the stick that he holds.
     fn touch_with_stick(&mut self, thing: &KnownThing, lean: bool) -> Acted {
-        let tip = self.actor.stick_tip().ok_or_else(|| Answer::failed("I hold no stick"))?;
+        let Some(tip) = self.actor.stick_tip() else { return Ok(Answer::failed("I hold no stick")) };
         if thing.in_touch == Some(tip) {
             return Ok(Answer::done("The stick touches it already"));
         }
@@ -55,10 +55,10 @@ impl Conversation {
                 Ok(Answer::done("I touch it with the stick"))
             }
             Err(Trouble::Nothing) => {
-                Err(Answer::failed("I felt about for it with the stick, and felt nothing").into())
+                Err(Trouble::Told("I felt about for it with the stick, and felt nothing".into()))
             }
             Err(Trouble::Reach(OutOfReach::TooFar(by))) => {
-                Err(Answer::failed(format!("It is {} too far for the stick", cm(by.max(0.01)))).into())
+                Err(Trouble::Told(format!("It is {} too far for the stick", cm(by.max(0.01)))))
             }
             Err(trouble) => Err(self.hindered("I cannot touch it with the stick", trouble)),
         }
@@ -94,8 +94,7 @@ impl Conversation {
                 self.mind.things.forget(thing.id);
                 self.search = None;
                 let place = self.place(&thing.at);
-                let said = format!("I felt about for it with my {name}, and it is no longer {place}");
-                Err(Answer::failed(said).into())
+                Err(Trouble::Told(format!("I felt about for it with my {name}, and it is no longer {place}")))
             }
             Err(trouble) => {
                 let too_far = matches!(trouble, Trouble::Reach(OutOfReach::TooFar(_))) && !lean;
@@ -112,7 +111,7 @@ impl Conversation {
         thing: &KnownThing,
         hand: Option<usize>,
         lean: bool,
-    ) -> Result<usize, Hindrance> {
+    ) -> Result<usize, Trouble> {
         let with_stick = self.actor.stick().map(|stick| stick.hand);
         let by_hand = |receptor: &usize| {
             self.actor.arm_of(*receptor).is_some_and(|by| {
@@ -126,14 +125,14 @@ impl Conversation {
             None => {
                 let own_side = usize::from(self.actor.side(0) * thing.at.dot(&self.actor.left()) < 0.0);
                 let free = with_stick.map_or(own_side, |hand| 1 - hand);
-                let touched = self.touch(thing, Some(hand.unwrap_or(free)), lean)?;
-                self.mind.things.get(thing.id).and_then(|known| known.in_touch).ok_or(touched)?
+                self.touch(thing, Some(hand.unwrap_or(free)), lean)?;
+                self.mind.things.get(thing.id).and_then(|known| known.in_touch).ok_or(Trouble::Nothing)?
             }
         };
         if self.actor.hold(receptor) {
             return Ok(receptor);
         }
         self.mind.things.parted();
-        Err(Answer::failed("It slipped away: I no longer feel it").into())
+        Err(Trouble::Told("It slipped away: I no longer feel it".into()))
     }
 }
