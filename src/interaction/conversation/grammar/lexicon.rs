@@ -49,6 +49,7 @@ const ACTS: &str = "\
         estimate announce indicate specify recite brief; \
     KNOW: know remember recall wonder guess see think reckon believe; \
     COUNT: count tally; \
+    EXPERIENCED: find feel touch discover meet detect notice hold know search explore come; \
     GIVE: give hand pass return; \
     USE: use; \
     LET: let; \
@@ -143,7 +144,30 @@ const MODIFIERS: &str = "\
     NO: no nope nah negative nay naw uhuh nix; \
     ASKING: what where when why who which how whereabouts whose whom; \
     HELPING: can could will would may might shall should must do be have need ought; \
+    HELPED: have do be not never just already first last yet even; \
+    LATELY: first last before just so far earlier yet across; \
+    PARTING: with by and then please or but using; \
     SUBJECT: i you he she it we they there their this that these those who everybody nobody somebody people";
+/// Of what things are called that it felt and cannot see; what these are is told by the very word, not by its lemma.
+const NAMES: &str = "\
+    NOUN: thing object item stuff obstacle ball box bottle brick block cup mug bowl plate jar book pen pencil \
+        spoon fork knife stick rod toy apple orange banana phone pot vase tray lamp tool gadget thingy thingie \
+        thingamajig whatsit package parcel carton tube cone dice egg candle camera cube cylinder sphere gizmo \
+        doodad contraption article target device widget jug teapot kettle flask tumbler wallet figurine doll \
+        torch mouse notebook stapler sponge hammer lemon tomato potato container piece lump chunk thingummy \
+        doohickey; \
+    PLURAL: things objects items obstacles keys cans bottles boxes blocks cups balls bricks ones; \
+    AMBIGUOUS: can one die key glass tin; \
+    INDEFINITE: something anything someone somebody anybody anyone; \
+    DETERMINER: the this that these those a an some any another every all both each one more other which \
+        whichever two three its; \
+    DEFINITE: the this that these those both all; \
+    VAGUE: a an any some another more; \
+    ADJECTIVE: left right near nearer nearest close closer closest far farther farthest further furthest big \
+        bigger biggest large larger small smaller little long tall short round square hard soft light heavy \
+        first second third last latest other same new old nice whole entire single next remaining opposite \
+        front back flat smooth different middle rightmost leftmost latter former hand more; \
+    UNPICKING: back front hand middle whole entire same";
 /// Words without a meaning of their own here.
 const FUNCTION: &str = "because him her himself yesterday after during since unlike underneath among lets centre center \
      everyone six seven eight nine ten least few lots having impossible sorry mr names word question \
@@ -214,7 +238,10 @@ impl Lexicon {
             };
             forms.insert(text.to_string(), (lemma.to_string(), form));
         }
-        let tables = rows(RELATIONS).chain(rows(MODIFIERS)).flat_map(|(_, words)| words.split_whitespace());
+        let tables = [RELATIONS, MODIFIERS, NAMES]
+            .into_iter()
+            .flat_map(rows)
+            .flat_map(|(_, words)| words.split_whitespace());
         for word in tables.chain(FUNCTION.split_whitespace()).map(String::from).chain(more) {
             forms.entry(word.clone()).or_insert((word, Form::Other));
         }
@@ -268,8 +295,9 @@ fn rows(table: &'static str) -> impl Iterator<Item = (&'static str, &'static str
 /// What a word means: the names of the tables' lines that it stands in.
 pub(super) fn meanings(lemma: &str, text: &str) -> impl Iterator<Item = &'static str> {
     let has = move |words: &str| words.split_whitespace().any(|word| word == lemma || word == text);
-    let tables = [ACTS, RELATIONS, MODIFIERS].into_iter().flat_map(rows);
-    tables.filter(move |(_, words)| has(words)).map(|(name, _)| name)
+    let tables = [ACTS, RELATIONS, MODIFIERS].into_iter().flat_map(rows).filter(move |(_, words)| has(words));
+    let named = rows(NAMES).filter(move |(_, words)| words.split_whitespace().any(|word| word == text));
+    tables.chain(named).map(|(name, _)| name)
 }
 
 /// The regular forms of a verb.

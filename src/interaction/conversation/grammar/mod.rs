@@ -133,8 +133,7 @@ impl Language {
         }
         let patterns = grammar.iter().map(|(.., pattern)| *pattern).chain(frames::patterns());
         let words = patterns.chain(patterns::listed(clauses::DENYING)).flat_map(patterns::words);
-        let words = words.chain(pieces::words()).map(String::from);
-        let lexicon = Lexicon::new(words.chain(names.words().map(String::from)));
+        let lexicon = Lexicon::new(words.map(String::from).chain(names.words().map(String::from)));
         Language { lexicon, names, grammar }
     }
 

@@ -5,7 +5,7 @@
 //! BODY, SIDE, VERB, BASE, PAST, THIRD, DOING, ANY, WANTED: what a frame wants) and meanings ([`lexicon`](super::lexicon): TOUCH, FAR, AGAIN). `A & B` is both, in any order.
 
 use super::lexicon::Form;
-use super::pieces::{Piece, Sense};
+use super::pieces::{CLAUSES, Piece, Sense};
 
 /// The pieces that a pattern takes, where they have it in them.
 pub(super) fn taken(pieces: &[Piece], pattern: &str) -> Option<Vec<usize>> {
@@ -13,13 +13,13 @@ pub(super) fn taken(pieces: &[Piece], pattern: &str) -> Option<Vec<usize>> {
     for part in pattern.split(" & ") {
         let tokens: Vec<&str> = part.split_whitespace().collect();
         match tokens.as_slice() {
-            ["^", rest @ ..] => all.extend(from(pieces, 0, rest)?.0),
+            ["^", rest @ ..] => all.extend(from(pieces, 0, rest, true)?.0),
             [denied] if denied.starts_with('!') => {
                 if pieces.iter().any(|piece| is(piece, &denied[1..])) {
                     return None;
                 }
             }
-            tokens => all.extend((0..=pieces.len()).find_map(|k| from(pieces, k, tokens))?.0),
+            tokens => all.extend((0..=pieces.len()).find_map(|k| from(pieces, k, tokens, true))?.0),
         }
     }
     Some(all)
@@ -38,42 +38,71 @@ pub(super) fn has(pieces: &[Piece], patterns: &str) -> bool {
 /// How many pieces a pattern takes that they begin with; `None` if they do not.
 pub(super) fn length(pieces: &[Piece], pattern: &str) -> Option<usize> {
     let tokens: Vec<&str> = pattern.split_whitespace().collect();
-    from(pieces, 0, &tokens).map(|(_, end)| end)
+    from(pieces, 0, &tokens, true).map(|(_, end)| end)
 }
 
-/// The pieces that tokens take from one on, and where they end.
-fn from(pieces: &[Piece], k: usize, tokens: &[&str]) -> Option<(Vec<usize>, usize)> {
+/// Where a pattern ends that is at a place among pieces and names all articles; `None` if it is not there.
+pub(super) fn end(pieces: &[Piece], k: usize, pattern: &str) -> Option<usize> {
+    let tokens: Vec<&str> = pattern.split_whitespace().collect();
+    from(pieces, k, &tokens, false).map(|(_, end)| end)
+}
+
+/// The pieces that tokens take from one on, and where they end; `articles` are skipped that no token names.
+fn from(pieces: &[Piece], k: usize, tokens: &[&str], articles: bool) -> Option<(Vec<usize>, usize)> {
     let Some((token, rest)) = tokens.split_first() else { return Some((Vec::new(), k)) };
-    let next = pieces.get(k);
-    match *token {
-        "$" => next.is_none().then(|| (Vec::new(), k)),
-        ".." => (k..=pieces.len()).find_map(|k| from(pieces, k, rest)),
-        token if token.starts_with('!') => {
-            if next.is_some_and(|next| is(next, &token[1..])) {
-                None
-            } else {
-                from(pieces, k, rest)
-            }
+    let (before, next) = (k.checked_sub(1).map(|k| &pieces[k]), pieces.get(k));
+    let go_on = |holds: bool| holds.then(|| from(pieces, k, rest, articles)).flatten();
+    let (kind, alternatives) = match token.split_at(1) {
+        ("<", denied) if denied.starts_with('!') => {
+            return go_on(before.is_none_or(|before| !is(before, &denied[1..])));
         }
-        token => {
-            let (optional, token) = token.strip_prefix('?').map_or((false, token), |token| (true, token));
-            let with = next.filter(|next| is(next, token)).and_then(|_| from(pieces, k + 1, rest));
-            let with = with.map(|(mut taken, end)| {
-                taken.push(k);
-                (taken, end)
-            });
-            // An article says nothing that a pattern would have to name.
-            let article =
-                || next.filter(|next| next.is("a an the")).and_then(|_| from(pieces, k + 1, tokens));
-            with.or_else(|| optional.then(|| from(pieces, k, rest)).flatten()).or_else(article)
+        ("<", alternatives) => return go_on(before.is_some_and(|before| is(before, alternatives))),
+        (">", following) => {
+            return go_on(next.map_or(following.starts_with('$'), |next| is(next, following)));
         }
+        ("!", denied) => return go_on(next.is_none_or(|next| !is(next, denied))),
+        ("^", "") => return go_on(k == 0),
+        ("$", "") => return go_on(next.is_none()),
+        (kind @ ("?" | "*"), alternatives) => (kind, alternatives),
+        _ => ("", *token),
+    };
+    if alternatives == ".." {
+        return (k..=pieces.len()).find_map(|k| from(pieces, k, rest, articles));
     }
+    if alternatives == "CLAUSE" {
+        let clause = |clause| {
+            let tokens: Vec<&str> = str::split_whitespace(clause).chain(rest.iter().copied()).collect();
+            from(pieces, k, &tokens, articles)
+        };
+        return listed(CLAUSES).find_map(clause).or_else(|| go_on(kind == "?"));
+    }
+    let takes = |next: &&Piece| match alternatives.strip_prefix('!') {
+        Some(denied) => !is(next, denied),
+        None => is(next, alternatives),
+    };
+    let after = if kind == "*" { tokens } else { rest };
+    let with = next.filter(takes).and_then(|_| from(pieces, k + 1, after, articles));
+    let with = with.map(|(mut taken, end)| {
+        taken.push(k);
+        (taken, end)
+    });
+    // An article says nothing that a pattern would have to name.
+    let article = || {
+        let skipped = next.filter(|next| articles && next.is("a an the"));
+        skipped.and_then(|_| from(pieces, k + 1, tokens, articles))
+    };
+    with.or_else(|| go_on(!kind.is_empty())).or_else(article)
 }
 
+/// Whether a piece is what one of some alternatives says; all of what `&` joins.
 fn is(piece: &Piece, token: &str) -> bool {
+    token.split('|').any(|token| token.split('&').all(|token| is_one(piece, token)))
+}
+
+fn is_one(piece: &Piece, token: &str) -> bool {
     let word = piece.sense == Sense::Word;
     let verb = |forms: &[Form]| word && forms.contains(&piece.word.form);
-    token.split('|').any(|token| match token {
+    match token {
         "THING" => piece.sense == Sense::Thing,
         "SOME" => piece.sense == Sense::Some,
         "STICK" => piece.is_stick(),
@@ -95,7 +124,7 @@ fn is(piece: &Piece, token: &str) -> bool {
             Some(form) => piece.words.len() == 1 && piece.word.text == form,
             None => piece.words.len() == 1 && (piece.word.lemma == token || piece.word.text == token),
         },
-    })
+    }
 }
 
 /// The words of a pattern that are words.

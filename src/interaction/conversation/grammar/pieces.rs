@@ -4,6 +4,7 @@ use super::Intent;
 use super::frames::Wish;
 use super::lexicon::{Form, meanings};
 use super::names::{BodyNames, PartName};
+use super::patterns::{end, listed};
 use super::places::Aside;
 use super::words::{Mark, Word};
 
@@ -56,8 +57,16 @@ pub enum HandName {
 
 impl HandName {
     fn of(part: &PartName) -> Option<HandName> {
-        let names = [("left", HandName::Left), ("right", HandName::Right), ("other", HandName::Other)];
-        names.into_iter().find(|(word, _)| part.has(word)).map(|(_, hand)| hand)
+        part.words.iter().find_map(|word| HandName::named(word))
+    }
+
+    fn named(word: &str) -> Option<HandName> {
+        match word {
+            "left" => Some(HandName::Left),
+            "right" => Some(HandName::Right),
+            "other" => Some(HandName::Other),
+            _ => None,
+        }
     }
 }
 
@@ -136,14 +145,19 @@ impl Piece {
 
 /// The pieces of an utterance.
 pub(super) fn pieces(words: &[Word], names: &BodyNames) -> Vec<Piece> {
-    let mut pieces: Vec<Piece> = Vec::new();
-    let mut k = 0;
-    while k < words.len() {
+    let mut pieces: Vec<Piece> =
+        words.iter().filter_map(|word| Piece::new(Sense::Word, std::slice::from_ref(word))).collect();
+    for k in 0.. {
         // What a mark ends does not go on behind it.
-        let end = (k..words.len()).find(|&j| words[j].mark.is_some()).map_or(words.len(), |j| j + 1);
-        let (sense, length) = sense_of(&words[k..end], names, pieces.last());
-        pieces.extend(Piece::new(sense, &words[k..k + length]));
-        k += length;
+        let marked = pieces.iter().skip(k).position(|piece| piece.word.mark.is_some());
+        let end = marked.map_or(pieces.len(), |far| k + far + 1);
+        if k >= end {
+            break;
+        }
+        if let Some((sense, until)) = sense_at(&pieces[..end], k, names) {
+            let words: Vec<Word> = pieces[k..until].iter().map(|piece| piece.word.clone()).collect();
+            pieces.splice(k..until, Piece::new(sense, &words));
+        }
     }
     referred(&mut pieces);
     pieces
@@ -183,199 +197,73 @@ fn referred(pieces: &mut [Piece]) {
     }
 }
 
-fn sense_of(words: &[Word], names: &BodyNames, before: Option<&Piece>) -> (Sense, usize) {
-    let texts: Vec<&str> = words.iter().map(|word| word.text.as_str()).collect();
-    let after = |lemmas: &str| before.is_some_and(|piece| piece.is(lemmas));
-    // "Hand it over."
-    if texts[0] == "hand"
-        && texts.get(1).is_some_and(|next| ["me", "us", "it", "over", "back", "that", "this"].contains(next))
-        && !after("your the a one left right other both with")
-    {
-        return (Sense::Word, 1);
-    }
-    // "Lower both arms."
-    if texts.starts_with(&["lower", "both"]) {
-        return (Sense::Word, 1);
-    }
-    let named = names.at(&texts).filter(|_| !after("my our her their a an"));
-    if let Some((part, length)) = named {
-        return (if part.is_hand() { Sense::Hand(part) } else { Sense::Part(part) }, length);
-    }
-    if let Some((hand, length)) = bare_hand(&texts, words, before) {
-        let words = hand.iter().map(|word| word.to_string()).collect();
-        return (Sense::Hand(PartName { words }), length);
-    }
-    noun_phrase(words, before).unwrap_or((Sense::Word, 1))
-}
-
-/// "A hand on", and "left" where it is a hand: "with your left", "but left".
-fn bare_hand<'a>(texts: &[&'a str], words: &[Word], before: Option<&Piece>) -> Option<(Vec<&'a str>, usize)> {
-    if let ["a" | "one", noun @ ("hand" | "finger" | "palm" | "fingertip" | "arm"), next, ..] = texts
-        && "on onto over to across along around round through against upon in under behind"
-            .split(' ')
-            .any(|on| on == *next)
-    {
-        return Some((vec![noun], 2));
-    }
-    let owned = usize::from(matches!(texts.first(), Some(&"your" | &"the")));
-    let side = texts.get(owned).filter(|side| ["left", "right", "other"].contains(side))?;
-    let one = usize::from(owned > 0 && texts.get(owned + 1) == Some(&"one"));
-    let end = owned + one;
-    let ends = words[end].mark.is_some()
-        || texts
-            .get(end + 1)
-            .is_none_or(|next| "this please now instead and again to".split(' ').any(|end| end == *next))
-        || words.get(end + 1).is_some_and(|next| next.form.is_base());
-    let by = before.is_some_and(|piece| piece.is("with use by but via try"));
-    let hand = by && ends && (*side != "other" || owned > 0);
-    hand.then(|| (vec![*side, "hand"], end + 1))
-}
-
-/// What a thing may be called that it felt and cannot see.
-const THINGS: &str = "thing things object objects item items stuff obstacle obstacles ball box can bottle brick block cup mug glass bowl \
-    plate jar tin book pen pencil spoon fork knife stick rod toy apple orange banana phone key keys cans bottles boxes blocks cups balls \
-    bricks pot vase tray lamp tool gadget thingy thingie thingamajig whatsit package parcel carton tube cone die dice egg candle camera \
-    cube cylinder sphere gizmo doodad contraption article target device widget tube jug teapot kettle flask tumbler wallet figurine \
-    doll torch mouse notebook stapler sponge hammer lemon tomato potato container piece lump chunk thingummy doohickey one ones";
-const INDEFINITE: &str = "something anything someone somebody anybody anyone";
-const DETERMINERS: &str = "the this that these those a an some any another every all both each one more other which whichever two three its";
-const ADJECTIVES: &str = "left right near nearer nearest close closer closest far farther farthest further furthest big bigger biggest large \
-    larger small smaller little long tall short round square hard soft light heavy first second third last latest other same new old nice \
-    whole entire single next remaining opposite front back flat smooth different middle rightmost leftmost latter former hand more";
-/// What it has done, or not, to what it knows of a thing or a place.
-const EXPERIENCED: &str = "find feel touch discover meet detect notice hold know search explore come";
-/// Words that end a relative clause.
-const PARTING: &str = "with by and then please or but using";
-
-/// A thing, or some thing, that words begin with, and of how many words.
-fn noun_phrase(words: &[Word], before: Option<&Piece>) -> Option<(Sense, usize)> {
-    let listed = |k: usize, list: &str| {
-        words.get(k).is_some_and(|word: &Word| list.split_whitespace().any(|other| other == word.text))
-    };
-    if listed(0, INDEFINITE) || listed(0, "nothing") && listed(1, "else") {
-        let more = 1 + usize::from(listed(1, "else new more other"));
-        return Some((Sense::Some, more + relative_clause(&words[more.min(words.len())..])));
-    }
-    if listed(0, "whatever whichever") {
-        let be = usize::from(listed(1, "was is comes gets moves"));
-        let clause = if be > 0 { to_the_end(&words[1..], 1) } else { relative_clause(&words[1..]) };
-        return (clause > 0).then_some((Sense::Thing, 1 + clause));
-    }
-    // "That you …" begins a clause, "how large" and "which one" ask.
-    let begins = listed(0, "that") && listed(1, "you i we") && words[0].mark.is_none();
-    let asks = before.is_some_and(|piece| piece.is("how")) && listed(0, ADJECTIVES) || listed(0, "which");
-    if begins || asks {
-        return None;
-    }
+/// What names nothing, whatever it looks like: "hand it over", "lower both arms".
+const NO_NAMES: &str =
+    "<!your|the|a|one|left|right|other|both|with =hand =me|=us|=it|=over|=back|=that|=this; =lower =both";
+/// "A hand on", and "left" where it is a hand: "with your left".
+const BARE_HANDS: &str = "=a|=one =hand|=finger|=palm|=fingertip|=arm \
+    >on|onto|over|to|across|along|around|round|through|against|upon|in|under|behind; \
+    <with|use|by|but|via|try =your|=the =left|=right|=other ?=one >$|this|please|now|instead|and|again|to|VERB; \
+    <with|use|by|but|via|try =left|=right >$|this|please|now|instead|and|again|to|VERB";
+/// What names a thing or some thing, or neither; the first that fits. CLAUSE is one of [`CLAUSES`].
+const NOUN_PHRASES: &[(Sense, &str)] = &[
+    (Sense::Some, "INDEFINITE ?else|new|more|other ?CLAUSE; =nothing =else ?CLAUSE"),
+    (
+        Sense::Thing,
+        "=whatever|=whichever =was|=is|=comes|=gets|=moves *!PARTING; =whatever|=whichever CLAUSE",
+    ),
+    // "That you …" begins a clause, "how large" and "which one" ask; "the same thing with your right hand", "stick it there".
+    (
+        Sense::Word,
+        "=that =you|=i|=we; <how ADJECTIVE; =which|=its; *DETERMINER *ADJECTIVE =same =thing|=things",
+    ),
+    (Sense::Word, "=stick =it|=that|=the|=this|=them|=your|=a"),
     // "Is that a bottle?"
-    if listed(0, "this that") && listed(1, "a an") {
-        return Some((Sense::Thing, 1));
-    }
-    let mut k = (0..words.len())
-        .take_while(|&k| listed(k, DETERMINERS) && !(k > 0 && listed(k - 1, "its one")))
-        .count();
-    // "The one", not "one thing".
-    if k > 1 && listed(k - 1, "one") && !listed(k, ADJECTIVES) && !listed(k, THINGS) {
-        k -= 1;
-    }
-    let determined = k;
-    while listed(k, ADJECTIVES) {
-        k += 1;
-    }
-    // "The same thing with your right hand."
-    if k > 0 && listed(k - 1, "same") && listed(k, "thing things") {
-        return None;
-    }
-    // "Stick it there."
-    if listed(0, "stick") && listed(1, "it that the this them your a") {
-        return None;
-    }
+    (Sense::Thing, "=this|=that >=a|=an"),
+    // "The nearer", "the second"; not "to the left".
+    (Sense::Word, "<on|to|at|from|toward|towards =the *DETERMINER *ADJECTIVE =left|=right"),
+    (Sense::Thing, "^ =the *DETERMINER *ADJECTIVE !UNPICKING ADJECTIVE =away"),
+    (
+        Sense::Thing,
+        "=the *DETERMINER *ADJECTIVE !UNPICKING ADJECTIVE >$|please|with|to|of|from|away|now|you|me|over|there",
+    ),
+    (Sense::Thing, "*DETERMINER DEFINITE *DETERMINER *ADJECTIVE NOUN|PLURAL|AMBIGUOUS ?CLAUSE"),
+    (Sense::Some, "*DETERMINER VAGUE *DETERMINER *ADJECTIVE NOUN|PLURAL|AMBIGUOUS ?CLAUSE"),
+    (Sense::Thing, "DETERMINER *DETERMINER *ADJECTIVE NOUN|PLURAL|AMBIGUOUS ?CLAUSE"),
+    (Sense::Some, "*ADJECTIVE PLURAL ?CLAUSE"),
     // "The can" is a thing, "can you" is not.
-    if listed(k, THINGS)
-        && (determined > 0
-            || k > 0 && listed(k, "one") && !listed(k - 1, "nice old new")
-            || !listed(k, "can one die key glass tin"))
-        && !listed(0, "its")
-    {
-        let definite = (0..determined).any(|j| listed(j, "the this that these those both all"));
-        let vague = (0..determined).any(|j| listed(j, "a an any some another more"));
-        let plural = determined == 0 && words[k].text.ends_with('s') && !listed(k, "glass");
-        let sense = if definite || !(vague || plural) { Sense::Thing } else { Sense::Some };
-        // "The one on your right."
-        let side = listed(k, "one")
-            && listed(k + 1, "on at")
-            && listed(k + 2, "your the my")
-            && listed(k + 3, "left right");
-        let beside = if side { 3 + usize::from(listed(k + 4, "side")) } else { 0 };
-        return Some((sense, k + 1 + beside + relative_clause(&words[k + 1 + beside..])));
-    }
-    // "The nearer", "the second".
-    if listed(0, "the")
-        && (k > determined || listed(k - 1, "other"))
-        && !listed(k - 1, "back front hand middle whole entire same")
-    {
-        let ends = k == words.len()
-            || words[k - 1].mark.is_some()
-            || listed(k, "please with to of from away now you me over there");
-        let side = listed(k - 1, "left right")
-            && before.is_some_and(|piece| piece.is("on to at from toward towards"));
-        if ends && !side {
-            // "The one farther away", and nothing else.
-            let away = usize::from(before.is_none() && listed(k, "away off"));
-            return Some((Sense::Thing, k + away));
-        }
-    }
-    let pronoun = listed(0, "it them") || listed(0, "this that these those") && !listed(1, "a an the");
-    pronoun.then_some((Sense::Thing, 1))
-}
+    (Sense::Thing, "*ADJECTIVE NOUN ?CLAUSE; *ADJECTIVE !nice|old|new ADJECTIVE =one ?CLAUSE"),
+    (Sense::Thing, "=it|=them; =this|=that|=these|=those !a|an|the"),
+];
+/// What tells which thing it is: "nearest to you", "that you found first", "you did not find yet", "on your right" of one.
+pub(super) const CLAUSES: &str = "nearest|closest|farthest|furthest|next to|from you|me; \
+    nearest|closest|farthest|furthest|next ?you|me|away; that|which|who !be THIRD *!PARTING; \
+    that|which|who be on|at|near|nearest|nearer|closest|close|far|farthest|farther|to|in|there|closer *!PARTING; \
+    ?that|which|who you|we|i *HELPED EXPERIENCED&PAST|=come *LATELY; \
+    ?that|which|who you|we|i *HELPED do *HELPED EXPERIENCED *LATELY; \
+    not *HELPED EXPERIENCED&PAST|=come *LATELY; not *HELPED do *HELPED EXPERIENCED *LATELY; \
+    that|which|who HELPED *HELPED EXPERIENCED&PAST|=come *LATELY; \
+    that|which|who *HELPED do *HELPED EXPERIENCED *LATELY; <=one on|at =your|=the|=my =left|=right ?side";
 
-/// How many words of what follows a thing tell which it is: "that you found first", "you did not find yet", "nearest to you".
-fn relative_clause(words: &[Word]) -> usize {
-    let is = |k: usize, list: &str| words.get(k).is_some_and(|word| word.is(list));
-    if is(0, "nearest closest farthest furthest next") {
-        let to = usize::from(is(1, "to from") && is(2, "you me"));
-        return 1 + to + usize::from(is(1 + to, "you me away"));
+/// What the pieces from one on stand for, and up to which; `None` for a word as it is.
+fn sense_at(pieces: &[Piece], k: usize, names: &BodyNames) -> Option<(Sense, usize)> {
+    let up_to = |patterns: &str| listed(patterns).find_map(|pattern| end(pieces, k, pattern));
+    if up_to(NO_NAMES).is_some() {
+        return None;
     }
-    let that = usize::from(is(0, "that which who"));
-    let marked = |until: usize| words[..until].iter().any(|word| word.mark.is_some());
-    if that == 1 && words.len() > 1 && !marked(1) {
-        if words[1].form == Form::Third && !is(1, "be") {
-            return to_the_end(words, 1);
-        }
-        if is(1, "be")
-            && is(2, "on at near nearest nearer closest close far farthest farther to in there closer")
-        {
-            return to_the_end(words, 2);
-        }
+    let texts: Vec<&str> = pieces[k..].iter().map(|piece| piece.word.text.as_str()).collect();
+    let of_others = k > 0 && pieces[k - 1].is("my our her their a an");
+    if let Some((part, length)) = names.at(&texts).filter(|_| !of_others) {
+        return Some((if part.is_hand() { Sense::Hand(part) } else { Sense::Part(part) }, k + length));
     }
-    let subject = usize::from(is(that, "you we i"));
-    let mut k = that + subject;
-    while is(k, "have do be not never just already first last yet even") {
-        k += 1;
+    if let Some(until) = up_to(BARE_HANDS) {
+        let mut words = pieces[k..until].iter().map(|piece| piece.word.text.clone()).collect::<Vec<_>>();
+        words.retain(|word| !["a", "your", "the", "one"].contains(&word.as_str()));
+        words.extend(HandName::named(&words[0]).map(|_| "hand".to_string()));
+        return Some((Sense::Hand(PartName { words }), until));
     }
-    let helped = words[..k].iter().any(|word| word.is("do"));
-    let begins = subject > 0 || is(0, "not") || (that == 1 && k > 1);
-    let verb =
-        |word: &Word| word.is(EXPERIENCED) && (word.form == Form::Past || helped || word.text == "come");
-    if !begins || !words.get(k).is_some_and(verb) || marked(k) {
-        return 0;
-    }
-    k + 1
-        + words[k + 1..]
-            .iter()
-            .take_while(|word| word.is("first last before just so far earlier yet across"))
-            .count()
-}
-
-/// How many words there are to the end of a clause, from one on.
-fn to_the_end(words: &[Word], from: usize) -> usize {
-    let end = (from..words.len()).find(|&k| words[k].is(PARTING)).unwrap_or(words.len());
-    words[..end].iter().position(|word| word.mark.is_some()).map_or(end, |k| k + 1)
-}
-
-/// All words of these lists.
-pub(super) fn words() -> impl Iterator<Item = &'static str> {
-    [THINGS, INDEFINITE, DETERMINERS, ADJECTIVES].into_iter().flat_map(str::split_whitespace)
+    let found = NOUN_PHRASES.iter().find_map(|(sense, patterns)| Some((sense.clone(), up_to(patterns)?)));
+    found.filter(|(sense, _)| *sense != Sense::Word)
 }
 
 /// Which of several things pieces tell.
