@@ -116,6 +116,9 @@ fn is_one(piece: &Piece, token: &str) -> bool {
         "THIRD" => verb(&[Form::Third]),
         "DOING" => verb(&[Form::Ing]),
         "ANY" => word,
+        "INFLECTED" => piece.word.form != Form::Other,
+        "UNKNOWN" => word && piece.word.unknown.as_ref() == Some(&piece.word.text),
+        "MARKED" => piece.word.mark.is_some(),
         "WANTED" => !word && piece.wanted.is_some(),
         token if token.starts_with(char::is_uppercase) => {
             (word || piece.sense == Sense::Some) && piece.meanings.contains(&token)
