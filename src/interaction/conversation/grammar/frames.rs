@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use super::lexicon::Form;
-use super::patterns::{length, listed};
+use super::patterns::{end, is, length, listed};
 use super::pieces::{Piece, Sense};
 use super::words::Mark;
 
@@ -104,16 +104,20 @@ const TAGS: &str = "will|would|can|could ?not you ?please|mind|kindly $; would|w
      time|chance|moment|second|minute; when|whenever|as|if you like|please|can; THANKS|thank ?you ?in \
      ?very|so ?much|advance|lot $; for ?me|us ?one ?moment|second|minute|while|now $";
 /// What says nothing of what is wanted, wherever it stands.
-const FILLERS: &str = "please|kindly|just|simply|now|um|uh|er|hmm; oh|ah|actually|really|very|quite|too|perhaps|maybe; \
+const FILLERS: &str = "please|kindly !to; just|simply|now|um|uh|er|hmm; oh|ah|actually|really|very|quite|too; \
      gently|carefully|slowly|softly|quickly|lightly|firmly|immediately|directly; \
-     also|somehow|somewhat|possibly|asap|already|even|slightly|exactly; \
+     <ANY|THING|SOME|BODY perhaps|maybe|possibly; also|somehow|somewhat|asap|already|even|slightly|exactly; \
      roughly|approximately|precisely|completely|absolutely|perfectly|entirely|thoroughly|properly; \
      basically|honestly|certainly|definitely|probably|surely|both|own|currently; then|indeed|soon; for \
      me|us; a ?wee|tiny ?little bit|tad|little|while; at the|this moment; right now|away; if possible; by \
-     any chance; this time; so far; at all; as well; of course; with care; do you think|reckon|suppose|know; would you say";
+     any chance; this time; so far; at all; as well; of course; with care; do you think|reckon|suppose|know; would you say; \
+     <!you|be|a|an|the|my|call|name !a|an|the \
+     max|mate|buddy|partner|robot|friend|guys|pal|sir|dear|lad|bud";
 
-/// Whom one speaks to.
-const VOCATIVES: &str = "max mate buddy partner robot friend guys pal sir dear lad bud";
+/// What may stand before what a clause begins with.
+const LEADING_IN: &str = "BODY&MARKED|THING&MARKED|look&MARKED|listen&MARKED|again&MARKED|you&MARKED|no&MARKED|so&MARKED|go&MARKED|\
+    right&MARKED|thanks&MARKED|thank&MARKED|well&MARKED|and|then|but|hey|hi|hello|ok|okay|alright|great|good|fine|first|next|\
+    sorry|yes|yeah|sure|or|whoa|excuse|finally|second|attention|quick|hurry|careful|nice";
 /// Questions that begin as a request does: whether it is able to.
 const ABILITY: &str = "can|could THING be =reached|=touched|=grasped|=gripped; can|could|would|will you ?be ?able ?to ?maybe \
      ?still REACH THING|that|there; can|could|would|will you ?be ?able ?to get at|to THING|there|that; \
@@ -162,20 +166,11 @@ pub(super) fn unframed(mut pieces: Vec<Piece>) -> Vec<Piece> {
 
 /// "It … to be lifted" is "lift it …".
 fn activate(pieces: &mut Vec<Piece>, k: usize) {
-    if pieces[k].sense == Sense::Word {
-        return;
-    }
-    let helping = pieces[k + 1..]
-        .iter()
-        .take_while(|piece| piece.is("to be must should need ought have can could"))
-        .count();
-    let done = |piece: &Piece| {
-        piece.sense == Sense::Word
-            && matches!(piece.word.form, Form::Past | Form::BaseOrPast)
-            && piece.word.text != "left"
-    };
-    if pieces.get(k + 1 + helping).is_some_and(done) {
-        pieces.drain(k + 1..k + 1 + helping);
+    let done = "*to|be|must|should|need|ought|have|can|could !=left|be|need|have|can PAST";
+    if pieces[k].sense != Sense::Word
+        && let Some(end) = end(pieces, k + 1, done, false)
+    {
+        pieces.drain(k + 1..end - 1);
         pieces.swap(k, k + 1);
         pieces[k].wanted = pieces[k + 1].wanted.take();
         pieces[k].word.form = Form::Base;
@@ -209,21 +204,12 @@ fn tag_length(pieces: &[Piece], k: usize, tag: &str) -> Option<usize> {
 fn fill(pieces: &mut Vec<Piece>) {
     let mut k = 0;
     while k < pieces.len() {
-        let taken = listed(FILLERS).filter_map(|filler| length(&pieces[k..], filler)).max().unwrap_or(0);
-        let after = |words: &str| k > 0 && pieces[k - 1].is(words);
-        let called = pieces[k].is(VOCATIVES) && !after("you be a an the my call name");
-        let taken = if pieces.get(k + 1).is_some_and(|next| next.is("to")) && pieces[k].is("please kindly") {
-            0
-        } else {
-            taken
-        };
-        let taken = taken.max(usize::from(called));
-        // "Right now?" alone is no filler, nor is "maybe" before what may be wanted.
-        let alone = taken == pieces.len() || (k == 0 && pieces[k].is("maybe perhaps possibly"));
-        if taken == 0 || alone {
+        let taken = listed(FILLERS).filter_map(|filler| Some(end(pieces, k, filler, true)? - k)).max();
+        // "Right now?" alone is no filler.
+        let Some(taken) = taken.filter(|&taken| taken > 0 && taken < pieces.len()) else {
             k += 1;
             continue;
-        }
+        };
         let asks = pieces[k].is("do would") && taken > 2;
         cut(pieces, k, taken);
         if asks && let Some(last) = pieces.last_mut() {
@@ -243,16 +229,11 @@ fn cut(pieces: &mut Vec<Piece>, k: usize, taken: usize) {
 
 /// Whether a piece may stand before what a clause begins with: "and", "hello", "your chin, …".
 pub(super) fn leads_in(piece: &Piece) -> bool {
-    let words = "and then but hey hi hello ok okay right alright great good fine first next thanks thank sorry yes yeah sure no or whoa excuse \
-        finally second attention well quick hurry careful listen look so nice again you go";
-    let named = (piece.is_body() || piece.sense == Sense::Thing) && piece.word.mark.is_some();
-    let spoken = piece.is(words)
-        && !(piece.is("look listen again you no so go right thanks thank well") && piece.word.mark.is_none());
-    named || spoken
+    is(piece, LEADING_IN)
 }
 
 /// All words of frames and fillers.
 pub(super) fn patterns() -> impl Iterator<Item = &'static str> {
     let lists = FRAMES.iter().map(|(_, frames)| *frames).chain([TAGS, FILLERS, ABILITY]);
-    lists.flat_map(listed).chain(VOCATIVES.split(' '))
+    lists.flat_map(listed)
 }

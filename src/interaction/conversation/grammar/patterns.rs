@@ -37,14 +37,13 @@ pub(super) fn has(pieces: &[Piece], patterns: &str) -> bool {
 
 /// How many pieces a pattern takes that they begin with; `None` if they do not.
 pub(super) fn length(pieces: &[Piece], pattern: &str) -> Option<usize> {
-    let tokens: Vec<&str> = pattern.split_whitespace().collect();
-    from(pieces, 0, &tokens, true).map(|(_, end)| end)
+    end(pieces, 0, pattern, true)
 }
 
-/// Where a pattern ends that is at a place among pieces and names all articles; `None` if it is not there.
-pub(super) fn end(pieces: &[Piece], k: usize, pattern: &str) -> Option<usize> {
+/// Where a pattern ends that is at a place among pieces; `None` if it is not there. `articles` are skipped that it does not name.
+pub(super) fn end(pieces: &[Piece], k: usize, pattern: &str, articles: bool) -> Option<usize> {
     let tokens: Vec<&str> = pattern.split_whitespace().collect();
-    from(pieces, k, &tokens, false).map(|(_, end)| end)
+    from(pieces, k, &tokens, articles).map(|(_, end)| end)
 }
 
 /// The pieces that tokens take from one on, and where they end; `articles` are skipped that no token names.
@@ -95,7 +94,7 @@ fn from(pieces: &[Piece], k: usize, tokens: &[&str], articles: bool) -> Option<(
 }
 
 /// Whether a piece is what one of some alternatives says; all of what `&` joins.
-fn is(piece: &Piece, token: &str) -> bool {
+pub(super) fn is(piece: &Piece, token: &str) -> bool {
     token.split('|').any(|token| token.split('&').all(|token| is_one(piece, token)))
 }
 

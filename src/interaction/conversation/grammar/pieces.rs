@@ -4,7 +4,7 @@ use super::Intent;
 use super::frames::Wish;
 use super::lexicon::{Form, meanings};
 use super::names::{BodyNames, PartName};
-use super::patterns::{end, listed};
+use super::patterns::{end, has, listed};
 use super::places::Aside;
 use super::words::{Mark, Word};
 
@@ -247,7 +247,7 @@ pub(super) const CLAUSES: &str = "nearest|closest|farthest|furthest|next to|from
 
 /// What the pieces from one on stand for, and up to which; `None` for a word as it is.
 fn sense_at(pieces: &[Piece], k: usize, names: &BodyNames) -> Option<(Sense, usize)> {
-    let up_to = |patterns: &str| listed(patterns).find_map(|pattern| end(pieces, k, pattern));
+    let up_to = |patterns: &str| listed(patterns).find_map(|pattern| end(pieces, k, pattern, false));
     if up_to(NO_NAMES).is_some() {
         return None;
     }
@@ -268,48 +268,44 @@ fn sense_at(pieces: &[Piece], k: usize, names: &BodyNames) -> Option<(Sense, usi
 
 /// Which of several things pieces tell.
 pub(super) fn which(pieces: &[Piece]) -> Option<Which> {
-    let picks = |k: usize| {
+    let told = |k: usize| {
         let piece: &Piece = &pieces[k];
         let on = |back: usize| k >= back && pieces[k - back].is("on to at");
         let the = piece.words.first().is_some_and(|first| first == "the");
-        piece.sense == Sense::Thing
-            || piece.sense == Sense::Word && (on(2) || the && on(1) || piece.is("first last"))
-    };
-    let told = |piece: &Piece| {
+        let picks = piece.sense == Sense::Thing
+            || piece.sense == Sense::Word && (on(2) || the && on(1) || piece.is("first last"));
         let listed = |words: &str| words.split(' ').any(|word| piece.words.iter().any(|own| own == word));
-        WHICH.iter().find(|(words, _)| listed(words)).map(|(_, which)| *which)
+        let which = WHICH.iter().filter(|_| picks).find(|(words, _)| listed(words));
+        which.map(|(_, which)| *which)
     };
-    (0..pieces.len()).filter(|&k| picks(k)).find_map(|k| told(&pieces[k]))
+    (0..pieces.len()).find_map(told)
 }
 
 /// Whether something is to be done with a stick: "with the stick", "use your stick".
 pub(super) fn with_stick(pieces: &[Piece]) -> bool {
-    (1..pieces.len()).any(|k| pieces[k].is_stick() && pieces[k - 1].is("with use by your"))
+    has(pieces, "<with|use|by|your STICK")
 }
+
+/// How a hand is named that is to do something: "with your hand", "your hand on your nose", "your hand touch your nose".
+const ACTING: &str = "<with|by|use|using HAND; HAND on|onto|to|against|at|upon|over; \
+    HAND VERB on|onto|to|against|at|upon|over|BODY";
 
 /// The hand that is to do something, and the part of the body that it is about.
 pub(super) fn hand_and_part(pieces: &[Piece], intent: Intent) -> (Option<HandName>, Option<PartName>) {
-    let hand = |k: usize| matches!(pieces[k].sense, Sense::Hand(_));
+    let hand = |k: &usize| matches!(pieces[*k].sense, Sense::Hand(_));
     let body: Vec<usize> = (0..pieces.len()).filter(|&k| pieces[k].is_body()).collect();
     let part = |k: usize| pieces[k].part().cloned();
     let side = |k: usize| pieces[k].part().and_then(HandName::of);
     match intent {
         Intent::WhereOwn => (None, body.first().and_then(|&k| part(k))),
         Intent::TouchOwn => {
-            let onto =
-                |k: usize| pieces.get(k).is_some_and(|piece| piece.is("on onto to against at upon over"));
-            let acts = |k: usize| {
-                let by = k >= 1 && pieces[k - 1].is("with by use using");
-                let verb = pieces.get(k + 1).is_some_and(|next| next.word.form.is_base());
-                let another = pieces.get(k + 2).is_some_and(Piece::is_body);
-                hand(k) && (by || onto(k + 1) || verb && (onto(k + 2) || another))
-            };
-            let by = body.iter().copied().find(|&k| acts(k)).filter(|_| body.len() > 1);
+            let acts = |k: &usize| listed(ACTING).any(|acting| end(pieces, *k, acting, false).is_some());
+            let by = body.iter().copied().find(acts).filter(|_| body.len() > 1);
             let others = || body.iter().copied().filter(|&k| Some(k) != by);
-            let touched = others().find(|&k| !hand(k)).or(others().next());
-            let more = || body.iter().copied().filter(|&k| hand(k) && Some(k) != touched).find_map(side);
+            let touched = others().find(|k| !hand(k)).or(others().next());
+            let more = || body.iter().copied().filter(|k| hand(k) && Some(*k) != touched).find_map(side);
             (by.and_then(side).or_else(more), touched.and_then(part))
         }
-        _ => (body.iter().copied().filter(|&k| hand(k)).find_map(side), None),
+        _ => (body.iter().copied().filter(hand).find_map(side), None),
     }
 }
