@@ -9,6 +9,8 @@ use crate::peripersonal::FeltSize;
 const SAME: f64 = 0.09;
 /// How far into a thing the place is that is remembered of it, from where it was felt, metres.
 const INTO: f64 = 0.02;
+/// Places at which a thing was felt that are nearer than this to each other are one, metres: a small patch of skin.
+const ONE_PLACE: f64 = 0.01;
 
 /// Names a thing that it remembers, whatever else is forgotten meanwhile; no other thing is ever named so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +27,8 @@ pub struct KnownThing {
     pub at: Vector3<f64>,
     /// The receptor that touches it, while one does.
     pub in_touch: Option<usize>,
+    /// Where it was touched, in the root's frame, metres.
+    pub places: Vec<Vector3<f64>>,
     /// What was felt of its shape, where that was asked for.
     pub shape: Option<KnownShape>,
 }
@@ -45,6 +49,11 @@ impl KnownThing {
     fn felt(&mut self, found: &FoundThing, at: Vector3<f64>, in_touch: Option<usize>) {
         if self.found.thing != found.thing {
             self.shape = None;
+            self.places.clear();
+        }
+        let new = |place: &Vector3<f64>| (found.point - place).norm() > ONE_PLACE;
+        if in_touch.is_some() && self.places.iter().all(new) {
+            self.places.push(found.point);
         }
         (self.found, self.at, self.in_touch) = (found.clone(), at, in_touch);
     }
@@ -53,6 +62,7 @@ impl KnownThing {
     pub fn carried(&mut self, by: &Vector3<f64>) {
         self.at += by;
         self.found.point += by;
+        self.places.iter_mut().for_each(|place| *place += by);
         self.in_touch = None;
     }
 }
@@ -119,7 +129,8 @@ impl Things {
     fn add(&mut self, found: FoundThing, at: Vector3<f64>, in_touch: Option<usize>) -> ThingId {
         let id = ThingId(self.named);
         self.named += 1;
-        self.known.push(KnownThing { id, found, at, in_touch, shape: None });
+        let places = in_touch.iter().map(|_| found.point).collect();
+        self.known.push(KnownThing { id, found, at, in_touch, places, shape: None });
         id
     }
 

@@ -8,11 +8,6 @@ use super::speaking::place_in_words;
 use crate::interaction::actor::Actor;
 use crate::interaction::things::{KnownThing, Things};
 
-/// Places at which a thing was felt that are nearer than this to each other are one, metres: a small patch of skin.
-const ONE_PLACE: f64 = 0.01;
-/// Places so near to where a thing is taken to be are its own, metres.
-const ITS_OWN: f64 = 0.15;
-
 /// Something that it did, or tried to do.
 pub(super) struct Deed {
     pub intent: Intent,
@@ -29,8 +24,6 @@ pub(super) struct Deed {
 pub(super) struct Mind {
     /// What it remembers of things, and which of them is meant.
     pub things: Things,
-    /// Where it felt things, in the root's frame, metres.
-    places: Vec<Vector3<f64>>,
     pub deeds: Vec<Deed>,
     /// What it was told not to do, and to which part of its body.
     forbidden: Vec<(Intent, Option<PartName>)>,
@@ -66,33 +59,6 @@ impl Mind {
         let place = |known: &KnownThing| format!("the one {}", place_in_words(actor, &known.at));
         let places: Vec<String> = self.things.iter().map(place).collect();
         format!("I felt {} things: which one do you mean, {}?", places.len(), places.join(" or "))
-    }
-
-    /// Remembers where it feels things now, where that is another place than those before.
-    pub fn remember_places(&mut self) {
-        for known in self.things.iter().filter(|known| known.in_touch.is_some()) {
-            let place = known.found.point;
-            if self.places.iter().all(|before| (before - place).norm() > ONE_PLACE) {
-                self.places.push(place);
-            }
-        }
-    }
-
-    /// Where a thing was felt.
-    pub fn places_of(&self, known: &KnownThing) -> Vec<Vector3<f64>> {
-        self.places.iter().filter(|place| (*place - known.at).norm() <= ITS_OWN).copied().collect()
-    }
-
-    /// Forgets a thing and where it was felt.
-    pub fn forget(&mut self, known: &KnownThing) {
-        self.places.retain(|place| (place - known.at).norm() > ITS_OWN);
-        self.things.forget(known.id);
-    }
-
-    /// Forgets all things.
-    pub fn forget_all(&mut self) {
-        self.places.clear();
-        self.things.forget_all();
     }
 
     /// From now on this is not done without being asked for it twice.

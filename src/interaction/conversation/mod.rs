@@ -263,7 +263,6 @@ impl Conversation {
         let answer = self.answered(acted, &format!("I cannot {doing}"))?;
         let mut reply = self.reply(intent, answer);
         self.heed_unexpected(&mut reply);
-        self.mind.remember_places();
         let retried = intent == LeanForward && (request.again || request.about.is_some());
         if intent != Repeat && !retried {
             self.did(request, &reply);

@@ -47,11 +47,11 @@ pub(super) const FORGET: RequestKind = RequestKind::new(
     Act::Minds(|mind, actor, request| match mind.find(actor, request.which).or(mind.things.it()).cloned() {
         _ if mind.things.is_empty() => Answer::done("There is nothing that I have felt and could forget"),
         _ if request.all => {
-            mind.forget_all();
+            mind.things.forget_all();
             Answer::done("I have forgotten all that I felt of things")
         }
         Some(known) => {
-            mind.forget(&known);
+            mind.things.forget(known.id);
             Answer::done(format!("I have forgotten the thing {}", place_in_words(actor, &known.at)))
         }
         None => Answer::asks(mind.question(actor)),

@@ -132,7 +132,7 @@ impl Conversation {
         // What he touched himself with was meant.
         self.actor.take_unexpected();
         if matches!(found, FeltOver::Changed { .. }) {
-            self.mind.forget_all();
+            self.mind.things.forget_all();
             self.search = None;
             self.reachable.take();
             self.ready = self.actor.ready();

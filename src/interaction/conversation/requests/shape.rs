@@ -107,7 +107,7 @@ impl Conversation {
             None => self.question(),
             Some(KnownThing { shape: Some(shape), .. }) => said_of(shape),
             Some(known) => {
-                let places = self.mind.places_of(known);
+                let places = &known.places;
                 let apart = places.iter().flat_map(|a| places.iter().map(move |b| (a - b).norm()));
                 match places.len() {
                     0 | 1 => format!(
