@@ -24,7 +24,7 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind::new(
     "told: ^ KEEP|LOOK ?BODY|yourself|THING ?all ?as STILL; ^ KEEP ?right where|there|as|like ?you|THING; STOP|KEEP \
      ?right where|there; ^ freeze; ^ stay|still $; ^ stay|remain|keep|hold ?in your|that|this|the|same \
      ?same|present|current POSE; play|be|like|as dead|statue|rock|stone; rest motionless|still; KEEP BODY|yourself \
-     ?right where|as they|THING|you be; stay|remain BODY; ^ =hold =it $; stand by; denied: not a|one|another \
+     ?right where|as they|THING|you be; stay|remain BODY; ^ hold ?THING ?right there|still; ^ =hold =it $; stand by; denied: not a|one|another \
      move|muscle|inch|step|MORE; not|never ?you ?even ?ever ?dare ?to STIR !THING; without =moving; no \
      =moving|movement|movements|motion|motions; nothing move $; do nothing $; no|quit|stop|STOP \
      =fidgeting|=moving|=wriggling|=squirming|fidget|STIR",
