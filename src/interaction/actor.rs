@@ -299,6 +299,11 @@ impl Actor {
         }
     }
 
+    /// Whether what is felt is a thing that is not the table, and not one's own skin.
+    pub(super) fn is_thing(&self, contact: &SkinContact) -> bool {
+        matches!(contact.by, Toucher::Thing(_)) && !self.is_table(contact)
+    }
+
     /// Makes the table's height known: from its near side on nothing is to go below it.
     pub fn know_table(&mut self, height: f64) {
         self.table = Some(height);

@@ -2,18 +2,13 @@
 
 use super::actor::{Actor, CAREFUL, SWIFT, Stop};
 use super::tasks::Trouble;
-use crate::creature::Posture;
 use crate::peripersonal::{OutOfReach, ReachTarget};
 use crate::senses::SkinContact;
 
 /// How far before the shoulder of the other arm a spot of an arm is brought to be touched, metres, …
 const PRESENTED: f64 = 0.3;
-/// … what it is worth in metres that it faces that hand, …
+/// … and what it is worth in metres that it faces that hand.
 const FACING: f64 = 0.15;
-/// … how clear of everything the arm stays, metres, …
-const CLEAR: f64 = 0.01;
-/// … and postures drawn for it.
-const PRESENTATIONS: usize = 400;
 
 /// A spot that was touched with a hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,25 +73,16 @@ impl Actor {
     pub(super) fn present(&mut self, receptor: usize) -> Result<bool, Trouble> {
         let Some(arm) = self.arm_of(receptor) else { return Ok(false) };
         let joints = self.hands[arm].arm.clone();
-        let from = self.posture();
-        let clearance = self.clearance.moved_by(&self.own, &joints);
-        let mut rng = self.new_rng();
         let place = self.own.place(receptor);
         let shoulder = self.frames()[self.hands[1 - arm].arm[0] + 1].origin;
         let wanted = shoulder + self.front * PRESENTED;
         let facing = (self.front + self.left() * self.side(1 - arm)).normalize();
-        let mut best: Option<(f64, Posture)> = None;
-        for _ in 0..PRESENTATIONS {
-            let posture = self.own.random_posture(&from, &joints, &mut rng);
-            let frames = self.own.frames(&posture);
+        let best = self.best_drawn(&joints, |_, frames| {
             let frame = &frames[place.limb];
             let (point, normal) = (frame.point(&place.point), frame.rotation * place.direction);
-            let cost = (point - wanted).norm() - FACING * normal.dot(&facing);
-            if best.as_ref().is_none_or(|(least, _)| cost < *least) && clearance.free(&frames, CLEAR) {
-                best = Some((cost, posture));
-            }
-        }
-        let Some((_, posture)) = best else { return Ok(false) };
+            FACING * normal.dot(&facing) - (point - wanted).norm()
+        });
+        let Some(posture) = best else { return Ok(false) };
         self.go(&posture)?;
         Ok(true)
     }

@@ -12,7 +12,7 @@ use crate::geometry::Frame;
 use crate::interaction::actor::{Actor, FoundThing, SWIFT, Stop};
 use crate::kinematics::{Facing, InverseKinematics, Place};
 use crate::peripersonal::{FeltPose, FeltSurface, Obstacle, PosturePath};
-use crate::senses::{SkinContact, Toucher};
+use crate::senses::SkinContact;
 
 /// How fast the tips of the hands go where they feel on, metres a second: a tenth of a millimetre a step.
 const FEELING: f64 = 0.05;
@@ -30,6 +30,8 @@ const CLEAR: f64 = 0.002;
 const ROOM: f64 = 0.06;
 /// … and how much nearer to it than they are other limbs may come, metres.
 const NEARER: f64 = 3e-3;
+/// A place that is known to this, metres, is where the thing begins: all of it is beyond the plane there.
+const SHARP: f64 = 3e-3;
 /// Known as surely as this it is felt enough, metres.
 const SURE: f64 = 5e-4;
 /// Steps of the way by which it came that are looked at: how many before the touch.
@@ -60,18 +62,14 @@ const ROUNDS: [[([f64; 2], [f64; 2]); 4]; 3] = [
 pub struct FeltOn {
     /// What was felt, its place sharpened.
     pub found: FoundThing,
-    /// The radius of curvature, metres, 0 for a corner or an edge; none where it did not feel on.
-    pub radius: Option<f64>,
-    /// How surely the place is known: one standard deviation, metres; none where it did not feel on.
-    pub deviation: Option<f64>,
-    /// How often it touched.
-    pub touches: usize,
+    /// Whether its place is known so well that all of the thing is beyond the plane there.
+    pub sharp: bool,
 }
 
 impl FeltOn {
     /// What was felt once, and not felt on.
     pub fn once(found: &FoundThing) -> FeltOn {
-        FeltOn { found: found.clone(), radius: None, deviation: None, touches: 0 }
+        FeltOn { found: found.clone(), sharp: false }
     }
 }
 
@@ -108,17 +106,13 @@ impl Actor {
             self.give_trail(came_by);
             return Ok(as_it_was);
         };
-        let mut touches = 0;
         'rounds: for round in ROUNDS {
             for (tilt, shift) in round {
                 // Where there is no room for it, a part of it.
                 for share in SHARES {
                     let [tilt, shift] = [tilt, shift].map(|by| by.map(|by| share * by));
                     match self.touch_tilted(&surface, found.receptor, &joints, tilt, shift)? {
-                        Probed::Met(pose) => {
-                            poses.push(pose);
-                            touches += 1;
-                        }
+                        Probed::Met(pose) => poses.push(pose),
                         Probed::Empty(empty) => poses.extend(empty),
                         Probed::Hindered => continue,
                         Probed::Other => break 'rounds,
@@ -139,7 +133,7 @@ impl Actor {
         }
         self.give_trail(came_by);
         let found = FoundThing { point: surface.point, direction: surface.direction, ..found.clone() };
-        Ok(FeltOn { found, radius: Some(surface.radius), deviation: Some(surface.deviation), touches })
+        Ok(FeltOn { found, sharp: surface.deviation <= SHARP })
     }
 
     /// The posture near another in which a place of the skin is at a point and its normal leads in a direction, as far as the
@@ -281,9 +275,7 @@ impl Actor {
             .collect();
         let touched = self.follow(&PosturePath(way.clone()), FEELING, |_, _| true)?;
         let Stop::Felt(contacts) = touched else { return Ok(Probed::Empty(swept)) };
-        let by_limb = |contact: &&SkinContact| {
-            contact.spot.limb == limb && matches!(contact.by, Toucher::Thing(_)) && !self.is_table(contact)
-        };
+        let by_limb = |contact: &&SkinContact| contact.spot.limb == limb && self.is_thing(contact);
         match contacts.iter().find(by_limb) {
             Some(contact) => {
                 let limb = self.frames()[limb];

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
 use crate::peripersonal::{FeltShape, Obstacle, PlacedSkin, PosturePath, ReachTarget, ShapeEstimate};
-use crate::senses::{SkinContact, Toucher};
+use crate::senses::SkinContact;
 
 /// Directions in which a thing can extend …
 const SIDES: usize = 60;
@@ -265,7 +265,7 @@ impl Actor {
 
     /// The receptors that feel a thing that is not the table, and not one's own skin.
     fn of_the_thing(&self, contacts: &[SkinContact]) -> BTreeSet<usize> {
-        let things = contacts.iter().filter(|c| matches!(c.by, Toucher::Thing(_)) && !self.is_table(c));
+        let things = contacts.iter().filter(|contact| self.is_thing(contact));
         things.map(|contact| contact.spot.receptor).collect()
     }
 

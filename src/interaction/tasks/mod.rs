@@ -28,6 +28,7 @@ pub use two_palms::PalmPlan;
 use super::actor::{Actor, Hand, SWIFT, Stop};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
+use crate::geometry::Frame;
 use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{OutOfReach, PosturePath, find_path};
 use crate::senses::SkinContact;
@@ -40,6 +41,11 @@ const BACK: f64 = 0.05;
 const WAITING: f64 = 0.006;
 /// … and how high, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.
 const READY_HEIGHTS: [f64; 4] = [-0.35, -0.25, -0.15, 0.0];
+
+/// Random postures of which the best is sought, …
+const DRAWN: usize = 400;
+/// … and how clear of everything they keep, metres.
+const DRAWN_CLEAR: f64 = 0.01;
 
 /// Why something could not be done.
 #[derive(Debug)]
@@ -156,6 +162,27 @@ impl Actor {
             }
         }
         posture
+    }
+
+    /// Of random postures of some joints that keep clear that for which a score of the limbs' poses is greatest; `None` if none
+    /// keeps clear.
+    pub(super) fn best_drawn(
+        &mut self,
+        joints: &[usize],
+        score: impl Fn(&Actor, &[Frame]) -> f64,
+    ) -> Option<Posture> {
+        let (from, mut rng) = (self.posture(), self.new_rng());
+        let clearance = self.clearance.moved_by(&self.own, joints);
+        let mut best: Option<(f64, Posture)> = None;
+        for _ in 0..DRAWN {
+            let posture = self.own.random_posture(&from, joints, &mut rng);
+            let frames = self.own.frames(&posture);
+            let better = best.as_ref().is_none_or(|(most, _)| score(self, &frames) > *most);
+            if better && clearance.free(&frames, DRAWN_CLEAR) {
+                best = Some((score(self, &frames), posture));
+            }
+        }
+        best.map(|(_, posture)| posture)
     }
 
     /// Goes to a posture, moving both arms and what carries them, on a way that keeps clear.

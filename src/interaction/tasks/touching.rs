@@ -13,14 +13,12 @@ use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{
     Obstacle, OutOfReach, OwnBody, PosturePath, ReachTarget, Reaching, distance, straight as straight_to,
 };
-use crate::senses::{SkinContact, Toucher};
+use crate::senses::SkinContact;
 
 /// Radii of the room that a thing is given that was felt, metres, of which not more is known than where it begins: the
 /// greatest that leaves a way.
 const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
 
-/// A place that is known to this, metres, is where the thing begins: all of it is beyond the plane there.
-const SHARP: f64 = 3e-3;
 /// How much lower than where it was felt a thing is met that stands on a table, in shares of the height over the table.
 const LOWER: f64 = 0.3;
 /// What is felt farther than this from where a thing was felt is something else, metres: about as much as a thing is large.
@@ -69,12 +67,8 @@ impl Room {
 }
 
 impl FeltOn {
-    fn is_sharp(&self) -> bool {
-        self.deviation.is_some_and(|deviation| deviation <= SHARP)
-    }
-
     fn room(&self) -> Room {
-        Room { aim: self.found.aim(), sharp: self.is_sharp() }
+        Room { aim: self.found.aim(), sharp: self.sharp }
     }
 }
 
@@ -87,7 +81,7 @@ impl Actor {
         let resting = self.table.is_some_and(|height| (point.dot(&self.up) - height).abs() < 0.12);
         match level {
             // Where the thing begins is known: it is met there.
-            _ if felt.is_sharp() => aims.push(ReachTarget { point, direction }),
+            _ if felt.sharp => aims.push(ReachTarget { point, direction }),
             // What stands on a table is met level, and lower than the patch that felt it, which may stand out above it.
             Some(level) if resting => {
                 let above = point.dot(&self.up) - self.table.unwrap_or_default();
@@ -100,7 +94,7 @@ impl Actor {
         let first = aims[0].direction;
         let axis = if level.is_some() { self.up } else { self.left() };
         let mut axes = vec![axis];
-        if felt.is_sharp() {
+        if felt.sharp {
             axes.extend(axis.cross(&first).try_normalize(0.1));
         }
         for angle in [0.5, -0.5, 0.9, -0.9] {
@@ -166,11 +160,11 @@ impl Actor {
             let joints = self.hands[hand].joints(lean).to_vec();
             let from = self.posture();
             // A sharp place is the thing's, from wherever it is aimed at.
-            let place = if felt.is_sharp() { felt.room() } else { Room { aim, sharp: false } };
+            let place = if felt.sharp { felt.room() } else { Room { aim, sharp: false } };
             let places: Vec<Room> = met.iter().copied().chain([place]).collect();
             let planned = self.making_room(&places, |actor| {
                 let mut reaching = actor.reaching(joints.clone());
-                if felt.is_sharp() {
+                if felt.sharp {
                     reaching = reaching.onto(felt.found.direction);
                 }
                 Ok(reaching.approach(&from, &receptors, &aim)?)
@@ -275,11 +269,9 @@ impl Actor {
             felt => felt,
         };
         let Stop::Felt(contacts) = stop else { return Ok(None) };
-        let by_hand = contacts.iter().find(|contact| {
-            receptors.contains(&contact.spot.receptor)
-                && matches!(contact.by, Toucher::Thing(_))
-                && !self.is_table(contact)
-        });
+        let by_hand = contacts
+            .iter()
+            .find(|contact| receptors.contains(&contact.spot.receptor) && self.is_thing(contact));
         match by_hand.and_then(|contact| self.found(contact)) {
             Some(found) => Ok(Some(found)),
             None => {

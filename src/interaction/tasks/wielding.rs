@@ -58,10 +58,8 @@ const CERTAIN: f64 = 1e-3;
 /// Touches that a stick explains are as near as this to it, metres.
 const CLOSE: f64 = 1e-3;
 
-/// How much room a hand that is held out has before it, metres, at the best of …
+/// How much room a hand that is held out has before it, metres, at the best.
 const ROOM: f64 = 0.5;
-/// … so many random postures of its arm.
-const POSTURES: usize = 400;
 
 impl Actor {
     /// Holds a hand out for a stick: where it points, there is most room.
@@ -69,39 +67,21 @@ impl Actor {
     /// # Errors
     /// [`Trouble`] on the way.
     pub fn hold_out(&mut self, hand: usize) -> Result<(), Trouble> {
-        let mut rng = self.new_rng();
-        let from = self.posture();
         let arm = self.hands[hand].arm.clone();
         let grip = self.own.place(self.grip_of(hand));
         let pointing = grip.point.try_normalize(1e-6).unwrap_or(grip.direction);
-        let clearance = self.clearance.moved_by(&self.own, &arm);
         let holding = self.own.carried_by(arm[0] + 1);
-        let mut best: Option<(f64, Posture)> = None;
-        for _ in 0..POSTURES {
-            let posture = self.own.random_posture(&from, &arm, &mut rng);
-            let frames = self.own.frames(&posture);
-            if !clearance.free(&frames, CLEAR) {
-                continue;
-            }
-            let frame = &frames[grip.limb];
-            let before = Capsule {
-                ends: [grip.point, grip.point + pointing * ROOM].map(|p| frame.point(&p)),
-                radius: 0.0,
-            };
+        let best = self.best_drawn(&arm, |actor, frames| {
+            let ends = [grip.point, grip.point + pointing * ROOM].map(|p| frames[grip.limb].point(&p));
+            let before = Capsule { ends, radius: 0.0 };
+            let over = actor
+                .table
+                .map_or(ROOM, |height| ends.iter().map(|p| p.dot(&actor.up) - height).fold(ROOM, f64::min));
             let others = (0..holding.len()).filter(|&limb| !holding[limb]);
-            let to_others = others.map(|limb| self.clearance.to_body(&frames, limb, &before, &before, ROOM));
-            let over = self.table.map_or(ROOM, |height| {
-                before.ends.iter().map(|p| p.dot(&self.up) - height).fold(ROOM, f64::min)
-            });
-            let room = to_others.fold(over, f64::min);
-            if best.as_ref().is_none_or(|(most, _)| room > *most) {
-                best = Some((room, posture));
-            }
-        }
-        match best {
-            Some((_, posture)) => self.go(&posture),
-            None => Ok(()),
-        }
+            let to_other = |limb| actor.clearance.to_body(frames, limb, &before, &before, ROOM);
+            others.map(to_other).fold(over, f64::min)
+        });
+        best.map_or(Ok(()), |posture| self.go(&posture))
     }
 
     /// Touches himself with the stick that he holds until he knows where its tip is; what he knows then. None where he could

@@ -2,7 +2,7 @@
 
 use super::Intent;
 use super::frames::Wish;
-use super::lexicon::{Form, meanings};
+use super::lexicon::meanings;
 use super::names::{BodyNames, PartName};
 use super::patterns::{end, has, listed};
 use super::places::Aside;
