@@ -4,79 +4,18 @@ use std::cmp::Reverse;
 
 use super::frames::{Wish, leads_in};
 use super::lexicon::Form;
+use super::moods::{Mood, denies, mood};
 use super::patterns::{has, length, taken};
 use super::pieces::{Piece, Sense};
 use super::words::Mark;
 use super::{Intent, Rule};
 
-/// What kind of sentence a clause is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mood {
-    /// It tells or asks to do something.
-    Command,
-    /// It asks for an answer.
-    Question,
-    /// It asks or tells of what was.
-    Past,
-    /// It forbids something.
-    Prohibition,
-    /// It is about what is not, or not yet.
-    Hypothesis,
-    /// It states something.
-    Statement,
-}
-
-/// What denies or forbids, wherever it stands.
-pub(super) const DENYING: &str = "not|never|without|neither|nor|refrain|abstain|cease|desist|prevent|forbid|prohibit|unless; \
-    nobody|none|nothing; instead of; rather than; avoid|stop|quit|skip|hate|dislike|loathe|mind|resent ?with \
-    ?THING|you|it DOING; leave|left THING|SOME|BODY alone|be; leave off; leave|left THING where|in; let THING be $; \
-    ^ HAND off; no ?more DOING|TOUCH|PUSH|LEAN|LIFT|REACH|PULL|GRAB|PUT|contact; keep HAND off|away|from; \
-    hold off|back from|DOING; keep|stay off; keep|away|refrain|far from DOING|TOUCH; from DOING; \
-    forget ?about DOING; i|we would ?really|absolutely hate|dislike|loathe|resent|mind|object; \
-    BAD if|to|for|idea; HAND to yourself; keep HAND to; no business; anything|SOME but; under|by|on no; \
-    be forbidden|=forbidden; off limits; make no; nowhere; no need|reason|longer|point; last thing; \
-    no|nope|nah ?ANY ?THING $; beware of; cut THING out";
-/// What makes a clause a question without a mark: it asks, or wonders.
-const ASKING: &str = "^ i|we|my|let|THING .. KNOW|=wondering|curious|interested|idea|question|sure|unsure|TELL|ask|hear|learn|find ?me|is \
-    ?of|out ?about ASKING|if|whether; ^ ?and|so|in|on|to|for|with|at|from|by|about|up ?to ASKING; \
-    ^ let me|us =know|=hear; ^ ?have|do ?you ?have ?you ?any|no idea";
-/// The same further in.
-const ASKING_WITHIN: &str =
-    "what|how|where|which|who =is|=are|=do|=does|can|could|would ?THING|BODY|you|THING|SOME";
-/// A verb before who does it.
-const INVERTED: &str =
-    "^ !=do !=have !need HELPING ?not SUBJECT|THING|SOME|BODY; ^ be|=does ?any ?of its|your|the|any";
-/// The same of verbs that begin a command as well.
-const INVERTED_HAVE: &str = "^ =do|=have|need ?not SUBJECT|BODY|THING !AGAIN";
-/// What the partner does not know, and would.
-const NOT_KNOWING: &str = "^ i|we do|can|could not =know|=tell|=see|=remember|=understand";
-/// What makes a question of what is stated: "…, isn't it?"
-const TAG: &str = "=did|=does|=have|=has|=were|=was|=are|=is ?not you|THING $";
-/// Questions in which what is denied forbids nothing.
-const NEGATIVE_QUESTION: &str =
-    "^ HELPING not SUBJECT|THING|SOME|BODY & !nothing; ^ ?and|so why|how|what|where|who|which; not $";
-/// How something is asked for that is to be told: "describe it", "give me an estimate".
-const TELLING: &str = "^ TELL|COUNT; ^ give me|us !THING|SOME|back|STICK|my";
 /// What is to be found out, whether it is so or not.
 const FACTS: &str = "see|check|find|tell|know|ask|wonder|say|show|feel|look|learn|sure|out ?me|us ?out \
     if|whether|why|what|which|who|where|how|when .. be|have|=did|=does not $";
-/// What is asked with "if" or "whether", and supposes nothing.
-const WHETHER: &str = "see|check|find|out|tell|know|feel|look|ask|wonder|say|determine|test|learn|sure|idea|care|clear ?me|us|THING|with \
-    ?HAND if|whether";
-/// What is but supposed.
-const SUPPOSED: &str = "^ suppose|supposing|imagine|pretend|assume & !POSE; ^ say you; would happen; what =happens; \
-    ^ when|before|after|until|while|once you|i|THING|SUBJECT";
-/// What is of what was.
-const PAST: &str = "=did|=was|=were|=had|=happened|=went; =have|=has|=having & PAST; =have|=has =been; SUBJECT|you|THING|SOME|BODY|HAND \
-    =put|=set|=let|=hit|=touched|=pushed|=moved|=lifted|=found|=felt|=held|=took|=brought|=dropped|=leaned|=reached|=picked|=grabbed; \
-    ^ ASKING|you|i|he|she|we|they|THING PAST & !can|could|will|would|VERB; ^ any luck|success; ^ be you|THING \
-    ?all|already|SOME =done|=finished|=moved|=put|=touched|=lifted|=pushed|successful";
 /// Statements about others than the creature.
 const OF_OTHERS: &str = "^ he|she|they|somebody|nobody|people|my|his|her|those|these; ^ i|we & !you|your|THING|SOME|BODY; \
     ^ you PAST|VERB|always|never";
-/// What a command may begin with before its verb.
-const BY_MEANS: &str =
-    "^ with|by|using|to|back|over|in|from|on|up|down|away|off|BODY|THING|SOME|left|right|out|again";
 /// What is one with the verb after "and": how it is done.
 const ONE_WITH_NEXT: &str = "^ ?ANY USE|take|REACH|raise|lift ?out|up HAND ?out|up|and and|then; \
     ^ ?ANY USE|take|REACH|raise|lift ?out|up HAND ?out|up|and $; ^ ?ANY REACH out|over|across|forward|up|down $";
@@ -101,7 +40,7 @@ impl Clause {
         let mark = pieces.last().and_then(|last| last.word.mark);
         facts(&mut pieces);
         let mut clause = Clause { pieces, mood: Mood::Statement, mark };
-        clause.mood = mood(clause.begun(), mark == Some(Mark::Question));
+        clause.mood = mood(clause.begun());
         clause
     }
 
@@ -269,13 +208,6 @@ const DOING: &[(&str, Intent)] = &[
     ("SEARCH|FEEL|FIND", Intent::Explore),
 ];
 
-/// Whether pieces deny or forbid something.
-pub(super) fn denies(pieces: &[Piece]) -> bool {
-    // "The last thing I want is …"
-    let last = |pair: &[Piece]| pair[0].words.iter().any(|word| word == "last") && pair[1].is("i we");
-    has(pieces, DENYING) || pieces.windows(2).any(last)
-}
-
 /// What is not so, in what is to be found out or asked, forbids nothing: "see whether it isn't there", "isn't there anything?"
 fn facts(pieces: &mut Vec<Piece>) {
     let denied = |k: usize, pieces: &[Piece]| {
@@ -286,79 +218,6 @@ fn facts(pieces: &mut Vec<Piece>) {
     while let Some(k) = (0..pieces.len()).find(|&k| denied(k, pieces)) {
         pieces.remove(k);
     }
-}
-
-fn mood(pieces: &[Piece], asks: bool) -> Mood {
-    let wish = pieces.iter().find_map(|piece| piece.wanted);
-    if wish == Some(Wish::Answer) {
-        return Mood::Question;
-    }
-    // "Have it close to you."
-    let has_it = !asks && has(pieces, "^ =have THING|BODY") && !has(pieces, "PAST");
-    let inverted = (has(pieces, INVERTED) || has(pieces, INVERTED_HAVE) && !has_it)
-        && (asks || !has(pieces, "^ =do not you"))
-        && !has(pieces, "^ =do THING|that|so|SOME ?ALL|MORE|one|over AGAIN|MORE|over");
-    let verb = |piece: &Piece| piece.sense == Sense::Word && piece.word.form.is_base();
-    let asks_within =
-        !pieces.first().is_some_and(|first| first.word.form.is_base()) && has(pieces, ASKING_WITHIN);
-    let asking = inverted
-        || asks_within
-        || has(pieces, ASKING)
-        || has(pieces, NOT_KNOWING)
-        || asks && (has(pieces, TAG) || has(pieces, "^ any|DOING|ok|okay"));
-    let hypothetical = hypothetical(pieces);
-    if asks && has(pieces, "=did|=have|=has|=were|=was .. not") && past(pieces) {
-        return Mood::Past;
-    }
-    let forbids = !hypothetical && denies(pieces) && !(asking && negative_question(pieces));
-    if forbids || has(pieces, "i|we would ?really|absolutely hate|dislike|loathe|resent|mind|object") {
-        return Mood::Prohibition;
-    }
-    let command = pieces.first().is_some_and(verb) && !inverted;
-    match () {
-        () if hypothetical => Mood::Hypothesis,
-        () if past(pieces) && (has(pieces, "^ TELL") || wish.is_none() && !command) => Mood::Past,
-        // What is to be told is asked for, however it is wanted.
-        () if has(pieces, TELLING) => Mood::Question,
-        () if wish.is_some() => Mood::Command,
-        () if asking => Mood::Question,
-        () if command || begins_as_command(pieces) => Mood::Command,
-        () if asks => Mood::Question,
-        () => Mood::Statement,
-    }
-}
-
-/// Whether what is denied in a question forbids nothing: "haven't you …?", "can you reach it without leaning?"
-fn negative_question(pieces: &[Piece]) -> bool {
-    let without = has(pieces, "without") && !has(pieces, "not|never|no");
-    !has(pieces, "about not; not .. not")
-        && (has(pieces, NEGATIVE_QUESTION)
-            || has(pieces, NOT_KNOWING)
-            || has(pieces, TAG)
-            || without && has(pieces, "able|REACH|get|GRAB|TOUCH"))
-}
-
-/// Whether it begins as a command does without a verb, or with what it is to be done with.
-fn begins_as_command(pieces: &[Piece]) -> bool {
-    let verb = |piece: &Piece| piece.sense == Sense::Word && piece.word.form.is_base();
-    let bare = pieces.iter().all(|piece| {
-        piece.sense != Sense::Word || piece.word.form == Form::Other || verb(piece) && !piece.is("be have do")
-    });
-    let begins = bare || has(pieces, BY_MEANS) && pieces.iter().any(verb) || has(pieces, "^ =be");
-    begins && !has(pieces, "^ SUBJECT; ^ THING|SOME|BODY HELPING|be|PAST|THIRD; ^ to VERB; ^ !=using DOING")
-}
-
-fn hypothetical(pieces: &[Piece]) -> bool {
-    let pause = pieces.last().is_some_and(|last| last.word.mark == Some(Mark::Pause));
-    let known = has(pieces, WHETHER) || has(pieces, "^ HELPING .. REACH|reach|able|get");
-    has(pieces, SUPPOSED)
-        || pause && has(pieces, "^ =were|=should|=had THING|SOME|BODY|SUBJECT")
-        || has(pieces, "unless; if|whether") && !known
-}
-
-/// Whether it is of what was.
-fn past(pieces: &[Piece]) -> bool {
-    has(pieces, PAST) && !has(pieces, "=have|=has|=had ?THING|SOME|BODY|SUBJECT =got")
 }
 
 /// The clauses: parted at marks and at "and", "then", "but", where there is a verb on either side.

@@ -8,6 +8,7 @@ mod clauses;
 mod frames;
 mod leave;
 mod lexicon;
+mod moods;
 mod names;
 mod patterns;
 mod pieces;
@@ -16,8 +17,8 @@ mod words;
 
 use std::ops::Deref;
 
-pub use clauses::Mood;
 pub use leave::Leave;
+pub use moods::Mood;
 pub use names::{BodyNames, PartName};
 pub(in crate::interaction) use names::{name_words, patch_name};
 pub use pieces::{HandName, Which};
@@ -132,7 +133,7 @@ impl Language {
             }
         }
         let patterns = grammar.iter().map(|(.., pattern)| *pattern).chain(frames::patterns());
-        let words = patterns.chain(patterns::listed(clauses::DENYING)).flat_map(patterns::words);
+        let words = patterns.chain(patterns::listed(moods::named("denies"))).flat_map(patterns::words);
         let lexicon = Lexicon::new(words.map(String::from).chain(names.words().map(String::from)));
         Language { lexicon, names, grammar }
     }
@@ -145,7 +146,7 @@ impl Language {
         let mut pieces = frames::unframed(pieces);
         places::sideways(&mut pieces);
         let clauses = clauses::of(&pieces);
-        let forbids = clauses.iter().any(Clause::denies) || clauses::denies(&pieces) && clauses.len() > 1;
+        let forbids = clauses.iter().any(Clause::denies) || moods::denies(&pieces) && clauses.len() > 1;
         let which = pieces::which(&pieces);
         // "The one nearest you", and nothing else.
         let names = |piece: &Piece| {

@@ -4,8 +4,10 @@
 //! pieces, `!a|b` where neither follows, `^` and `$` are the ends of the clause. Capitals are kinds of pieces (THING, SOME, STICK, HAND, PART,
 //! BODY, SIDE, VERB, BASE, PAST, THIRD, DOING, ANY, WANTED: what a frame wants) and meanings ([`lexicon`](super::lexicon): TOUCH, FAR, AGAIN). `A & B` is both, in any order.
 
+use super::frames::Wish;
 use super::lexicon::Form;
 use super::pieces::{CLAUSES, Piece, Sense};
+use super::words::Mark;
 
 /// The pieces that a pattern takes, where they have it in them.
 pub(super) fn taken(pieces: &[Piece], pattern: &str) -> Option<Vec<usize>> {
@@ -14,6 +16,16 @@ pub(super) fn taken(pieces: &[Piece], pattern: &str) -> Option<Vec<usize>> {
         let tokens: Vec<&str> = part.split_whitespace().collect();
         match tokens.as_slice() {
             ["^", rest @ ..] => all.extend(from(pieces, 0, rest, true)?.0),
+            [named] if named.starts_with('@') => {
+                if !has(pieces, super::moods::named(&named[1..])) {
+                    return None;
+                }
+            }
+            [denied] if denied.starts_with("!@") => {
+                if has(pieces, super::moods::named(&denied[2..])) {
+                    return None;
+                }
+            }
             [denied] if denied.starts_with('!') => {
                 if pieces.iter().any(|piece| is(piece, &denied[1..])) {
                     return None;
@@ -118,10 +130,18 @@ fn is_one(piece: &Piece, token: &str) -> bool {
         "INFLECTED" => piece.word.form != Form::Other,
         "UNKNOWN" => word && piece.word.unknown.as_ref() == Some(&piece.word.text),
         "MARKED" => piece.word.mark.is_some(),
+        "WISHED" => piece.wanted.is_some(),
+        "ANSWER" => piece.wanted == Some(Wish::Answer),
+        "QUESTION" => piece.word.mark == Some(Mark::Question),
+        "PAUSED" => piece.word.mark == Some(Mark::Pause),
+        "BARE" => {
+            !word || piece.word.form == Form::Other || piece.word.form.is_base() && !piece.is("be have do")
+        }
         "WANTED" => !word && piece.wanted.is_some(),
         token if token.starts_with(char::is_uppercase) => {
             (word || piece.sense == Sense::Some) && piece.meanings.contains(&token)
         }
+        token if token.starts_with(':') => piece.words.iter().any(|word| *word == token[1..]),
         token => match token.strip_prefix('=') {
             Some(form) => piece.words.len() == 1 && piece.word.text == form,
             None => piece.words.len() == 1 && (piece.word.lemma == token || piece.word.text == token),
