@@ -204,6 +204,8 @@ const NOT_TO_BE_DONE: &[&str] = &[
     "once you have found it push it to the right",
     "before you push it to the left, wait",
     "if only you had not pushed it to the left",
+    "push it to the left of the box",
+    "push it left of the box",
     "as soon as the bell rings, let go of it",
     "as long as it is quiet push it to the right",
     "in case it comes near, bring it closer",

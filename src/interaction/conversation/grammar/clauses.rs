@@ -16,6 +16,8 @@ const FACTS: &str = "see|check|find|tell|know|ask|wonder|say|show|feel|look|lear
 /// Statements about others than the creature.
 const OF_OTHERS: &str = "^ he|she|they|somebody|nobody|people|my|his|her|those|these; ^ i|we & !you|your|THING|SOME|BODY; \
     ^ you PAST|VERB|always|never";
+/// Statements of which it is not clear that they are about what it is to do.
+const UNCLEAR: &str = "he|she|they|him|her|his|them; we|i|PAST|to|be & !you|your|HAND|BODY|STICK";
 /// What is one with the verb after "and": how it is done.
 const ONE_WITH_NEXT: &str = "^ ?ANY USE|take|REACH|raise|lift ?out|up HAND ?out|up|and and|then; \
     ^ ?ANY USE|take|REACH|raise|lift ?out|up HAND ?out|up|and $; ^ ?ANY REACH out|over|across|forward|up|down $";
@@ -151,11 +153,8 @@ impl Clause {
                 denied.or_else(|| dont().then_some(Intent::Dont)).map(|intent| (intent, false))
             }
             Mood::Statement => {
-                let others = has(begun, OF_OTHERS) || has(&self.pieces, "he|she|they|him|her|his|them");
-                let unclear =
-                    has(&self.pieces, "we|i|PAST|to|be") && !has(&self.pieces, "you|your|HAND|BODY|STICK");
                 let known = self.pieces.iter().all(|piece| piece.word.unknown.is_none());
-                let own = self.pieces.len() > 1 && !others && !unclear && known;
+                let own = known && !has(begun, OF_OTHERS) && !has(&self.pieces, UNCLEAR);
                 let of = |of| self.most(grammar, of, begun).filter(|found| own && found.2 > 1);
                 of("told").or_else(|| of("asked")).map(|found| (found.0, false))
             }
@@ -173,20 +172,16 @@ impl Clause {
 
     /// The request that it is about, whatever it says of it.
     pub fn about(&self, grammar: &[Rule]) -> Option<Intent> {
-        if has(&self.pieces, "HAND off|away .. PART; leave|left PART alone|be") {
-            return Some(Intent::TouchOwn);
-        }
-        if has(&self.pieces, "HAND off|away; leave|left THING|SOME alone|be|where|there|in") {
-            return Some(Intent::Touch);
-        }
+        let of = |rows: &[(&str, Intent)]| {
+            rows.iter().find(|(patterns, _)| has(&self.pieces, patterns)).map(|(_, intent)| *intent)
+        };
         let told = grammar.iter().filter(|(intent, how, _)| *how == "told" && intent.moves());
         let taken = told.filter_map(|(intent, _, pattern)| {
             Some((taken(&self.pieces, pattern.trim_start_matches("^ "))?.len(), *intent))
         });
         // The longest, the first of as long ones.
         let best = taken.min_by_key(|(length, _)| Reverse(*length));
-        let verb = || DOING.iter().find(|(verbs, _)| has(&self.pieces, verbs)).map(|(_, intent)| *intent);
-        best.map(|(_, intent)| intent).or_else(verb)
+        of(LEAVING).or(best.map(|(_, intent)| intent)).or_else(|| of(DOING))
     }
 
     /// What is said alone: a greeting, yes, no.
@@ -196,6 +191,11 @@ impl Clause {
     }
 }
 
+/// What is forbidden where no verb says so.
+const LEAVING: &[(&str, Intent)] = &[
+    ("HAND off|away .. PART; leave|left PART alone|be", Intent::TouchOwn),
+    ("HAND off|away; leave|left THING|SOME alone|be|where|there|in", Intent::Touch),
+];
 /// Verbs that are enough to know what is forbidden: "no pushing".
 const DOING: &[(&str, Intent)] = &[
     ("LEAN", Intent::LeanForward),

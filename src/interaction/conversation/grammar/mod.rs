@@ -251,7 +251,7 @@ impl Language {
 
 /// What makes it doubtful whether something is wanted, or wanted now; of somebody else; a question that lacks its "do you".
 const DOUBTFUL: &str = "not|never|no|nope|nah|or|if|when|whenever|before|after|until|unless|provided|providing|assuming|tomorrow|later|day; \
-    =stop|=wait|=halt; him|he|she|somebody|someone; next time; as i|we|he|she|they; as ?soon|long as; in case; on condition; the moment|second|minute|instant THING|SOME|BODY|SUBJECT; only|not once; ^ VERB =anything $; \
+    =stop|=wait|=halt; him|he|she|somebody|someone; next time; as i|we|he|she|they; as ?soon|long as; in case; on condition; =left|=right of THING|SOME|PART; the moment|second|minute|instant THING|SOME|BODY|SUBJECT; only|not once; ^ VERB =anything $; \
     ready|prepare to";
 /// What makes a question whether there is anything one of no thing on the table: "is there anything that you can do?"
 const OF_NO_PLACE: &str = "STICK; SOME ?that you|i|we|he; in|on|ON|under BODY; MORE than; ^ ?and what else $";

@@ -1,11 +1,15 @@
 //! Patterns of pieces, by which requests say what means them, and frames how they are asked for.
 //!
-//! A pattern is a row of alternatives: `touch|tap` is either lemma, `=touching` the very word, `?a` may be missing, `..` is any number of
-//! pieces, `!a|b` where neither follows, `^` and `$` are the ends of the clause. Capitals are kinds of pieces (THING, SOME, STICK, HAND, PART,
-//! BODY, SIDE, VERB, BASE, PAST, THIRD, DOING, ANY, WANTED: what a frame wants) and meanings ([`lexicon`](super::lexicon): TOUCH, FAR, AGAIN). `A & B` is both, in any order.
+//! A pattern is a row of alternatives: `touch|tap` is either lemma, `=touching` the very word, `:last` has that word in it, `a&b` is both,
+//! `?a` may be missing, `*a` is any number of them, `*!a` of others, `..` of all; `!a|b` where neither follows, `>a` and `<a` where one
+//! follows or is before, `<!a` where none is before; `^` and `$` are the ends of the clause. Capitals are kinds of pieces (THING, SOME,
+//! STICK, HAND, PART, BODY, SIDE, VERB, BASE, PAST, THIRD, DOING, ANY; WANTED, WISHED and ANSWER by a frame; MARKED, QUESTION and PAUSED by a
+//! mark) and meanings ([`lexicon`](super::lexicon): TOUCH, FAR, AGAIN). `A & B` is both, in any order; `@name` and `!@name` are
+//! patterns of [`moods`](super::moods).
 
 use super::frames::Wish;
 use super::lexicon::Form;
+use super::moods::named;
 use super::pieces::{CLAUSES, Piece, Sense};
 use super::words::Mark;
 
@@ -16,13 +20,9 @@ pub(super) fn taken(pieces: &[Piece], pattern: &str) -> Option<Vec<usize>> {
         let tokens: Vec<&str> = part.split_whitespace().collect();
         match tokens.as_slice() {
             ["^", rest @ ..] => all.extend(from(pieces, 0, rest, true)?.0),
-            [named] if named.starts_with('@') => {
-                if !has(pieces, super::moods::named(&named[1..])) {
-                    return None;
-                }
-            }
-            [denied] if denied.starts_with("!@") => {
-                if has(pieces, super::moods::named(&denied[2..])) {
+            [part] if part.trim_start_matches('!').starts_with('@') => {
+                let (wanted, name) = part.split_once('@')?;
+                if has(pieces, named(name)) != wanted.is_empty() {
                     return None;
                 }
             }

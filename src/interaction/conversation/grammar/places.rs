@@ -67,8 +67,8 @@ pub(super) fn sideways(pieces: &mut Vec<Piece>) {
         if bare || straight || elsewhere || has(side, "on|onto") && !placed {
             continue;
         }
-        let of_another = has(behind, "^ of") && !has(behind, "^ of ?the|your TABLE|you|yourself");
         let measured = (0..pieces.len()).find_map(|at| measure(&pieces[at..]));
+        let of_another = has(behind, "^ of") && !has(behind, "^ of ?the|your TABLE|you|yourself");
         let clear = !has(side, "my") && !has(before, "or|nor $") && !of_another && measured != Some(None);
         let aside = Aside { left: has(side, "left|leftward|leftwards"), by: measured.flatten(), clear };
         let words: Vec<_> = side.iter().map(|piece| piece.word.clone()).collect();
