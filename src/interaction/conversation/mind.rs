@@ -39,9 +39,7 @@ impl Mind {
         let (left, front, things) = (actor.left(), actor.front, &self.things);
         let most = |along: Vector3<f64>| things.most(|known| known.at.dot(&along));
         match which? {
-            Which::First => things.iter().next(),
-            Which::Second => things.iter().nth(1),
-            Which::Third => things.iter().nth(2),
+            Which::Nth(at) => things.iter().nth(at),
             Which::Last => things.iter().next_back(),
             Which::Left => most(left),
             Which::Right => most(-left),

@@ -19,12 +19,8 @@ pub enum Which {
     Nearest,
     /// The farthest one.
     Farthest,
-    /// The one that was found first.
-    First,
-    /// The one that was found second.
-    Second,
-    /// The one that was found third.
-    Third,
+    /// The one that was found so manieth, the first by 0.
+    Nth(usize),
     /// The one that was found last.
     Last,
     /// Not the one of which they talk.
@@ -37,9 +33,9 @@ const WHICH: &[(&str, Which)] = &[
     ("farther farthest further furthest far", Which::Farthest),
     ("left leftmost", Which::Left),
     ("right rightmost", Which::Right),
-    ("first former", Which::First),
-    ("second", Which::Second),
-    ("third", Which::Third),
+    ("first former", Which::Nth(0)),
+    ("second", Which::Nth(1)),
+    ("third", Which::Nth(2)),
     ("last latter latest", Which::Last),
     ("other another", Which::Other),
 ];

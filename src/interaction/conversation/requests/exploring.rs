@@ -12,7 +12,7 @@ const BEHIND: f64 = 0.15;
 /// What it says where it felt no table.
 const NO_TABLE: &str = "I lowered my hands and felt no table in front of me";
 
-pub(super) const EXPLORE: RequestKind = RequestKind::new(
+pub(super) const EXPLORE: RequestKind = RequestKind::of_body(
     ["feel about for things", "felt about for things"],
     Act::Moves(|creature, request, _| {
         let hand = creature.hand_for(request.hand);
@@ -37,8 +37,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind::new(
      SOME; whether|if .. SOME & there|ON|TABLE|front; SOME within|in ?easy ?your RANGE; what ?THING|SOME ?HELPING \
      be ?out there|here|ON; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH; be THING|SOME there; sign|trace of \
      SOME; come across SOME; FEEL SOME out there; what have|do we|you|i ?have|get ?there|here ON|in|before|around",
-)
-.needs_body();
+);
 
 pub(super) const HOW_MANY: RequestKind = RequestKind::new(
     ["count the things", "counted the things"],

@@ -11,7 +11,7 @@ const HEIGHT: f64 = 0.1;
 /// How often both hands may begin again.
 const CORRECTIONS: usize = 3;
 
-pub(super) const LIFT: RequestKind = RequestKind::new(
+pub(super) const LIFT: RequestKind = RequestKind::of_body(
     ["pick it up", "picked it up"],
     Act::Handles(Conversation::lift),
     "told: LIFT|GRAB|get ?UP THING|SOME; LIFT ?UP ?BIT $; get|take|catch|have|keep|lay|GRAB ?GOOD ?firm|tight \
@@ -19,8 +19,7 @@ pub(super) const LIFT: RequestKind = RequestKind::new(
      THING ?UP off|from the TABLE; PUT|PUSH|take|get|GRAB THING ?UP off|from ?that TABLE; into|in|to|the|mid air; \
      give THING lift; get|have|take hold|grip; LIFT HAND; carry|hold THING; THING in the air; THING off|from TABLE; \
      hold on to THING; up|UP|off ?TABLE|ground with THING",
-)
-.needs_body();
+);
 
 pub(super) const LET_GO: RequestKind = RequestKind::new(
     ["let go", "let go"],

@@ -6,7 +6,7 @@ use crate::interaction::conversation::grammar::{Leave, Request};
 use crate::interaction::conversation::speaking::cm;
 use crate::interaction::tasks::Trouble;
 
-pub(super) const LEAN_FORWARD: RequestKind = RequestKind::new(
+pub(super) const LEAN_FORWARD: RequestKind = RequestKind::of_body(
     ["lean forward", "leaned forward"],
     Act::Moves(Conversation::lean),
     "told: LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?waist|hips ?far ?MORE FORWARD; AGAIN & LEAN \
@@ -14,10 +14,9 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind::new(
      !THING|SOME; come|get|go closer|nearer to|over TABLE & !THING; move|bring|get BODY|yourself NEAR|over ON|the \
      TABLE; PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD; LEAN; \
      MORE FORWARD; PULL|PUSH yourself FORWARD",
-)
-.needs_body();
+);
 
-pub(super) const LEAN_BACK: RequestKind = RequestKind::new(
+pub(super) const LEAN_BACK: RequestKind = RequestKind::of_body(
     ["lean back", "leaned back"],
     Act::Moves(|creature, _, _| match creature.actor.leans_from(&creature.ready) {
         true => creature.back("upright again", "upright"),
@@ -30,8 +29,7 @@ pub(super) const LEAN_BACK: RequestKind = RequestKind::new(
      ?BACK ?to|into|at|in ?sitting UPRIGHT|vertical ?POSE; LEAN right|MORE|all BACK; come|get|BACK ?BACK UP; \
      STRAIGHTEN; away from TABLE & LEAN; sit|stand|get UPRIGHT; undo .. lean|LEAN; denied: STOP|quit|cease \
      =leaning|=bending; not LEAN any|longer|anymore",
-)
-.needs_body();
+);
 
 pub(super) const REST: RequestKind = RequestKind::new(
     ["go back to rest", "went back to rest"],

@@ -21,7 +21,7 @@ pub(super) const HOW_FAR: RequestKind = RequestKind::new(
      long way off|away",
 );
 
-pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::new(
+pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::of_body(
     ["tell whether I reach it", "told whether I reach it"],
     Act::Tells(|creature, request| {
         creature.asked_about(request).map_or_else(|a| a, |it| creature.near_or_far(it, request))
@@ -34,17 +34,16 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::new(
      THING|SOME|to|that|at|there; able; BODY long|enough; BODY be ?long enough|long; REACH THING|SOME|that|there; \
      get at|to THING; HELPING THING be =reached|=touched|=grasped; near enough; close enough; far enough; FAR $; \
      which ?THING be NEAR; HELPING .. need|have ?to LEAN",
-)
-.needs_body();
+);
 
-pub(super) const WHERE_OWN: RequestKind = RequestKind::new(
-    ["tell where it is", "told where it is"], Act::Tells(Conversation::where_own),
+pub(super) const WHERE_OWN: RequestKind = RequestKind::of_body(
+    ["tell where it is", "told where it is"],
+    Act::Tells(Conversation::where_own),
     "told: show ?me BODY; asked: WHEREABOUTS .. BODY; be BODY ?still \
      bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended; \
      how|what ?high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY; which|what \
      WHEREABOUTS|side|way|height|level .. BODY; TELL|know|find BODY $; BODY .. ?is WHEREABOUTS",
-)
-.needs_body();
+);
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
     ["tell where I feel it", "told where I feel it"],

@@ -101,10 +101,9 @@ impl RequestKind {
         RequestKind { doing, words, needs_body: false, act }
     }
 
-    /// It must know its body for it.
-    const fn needs_body(mut self) -> RequestKind {
-        self.needs_body = true;
-        self
+    /// One for which it must know its body.
+    const fn of_body(doing: [&'static str; 2], act: Act, words: &'static str) -> RequestKind {
+        RequestKind { doing, words, needs_body: true, act }
     }
 }
 

@@ -18,7 +18,7 @@ const WATCHING: f64 = 5.0;
 /// … how far joints have gone where it got out of a way, radians.
 const MOVED: f64 = 0.02;
 
-pub(super) const TOUCH_OWN: RequestKind = RequestKind::new(
+pub(super) const TOUCH_OWN: RequestKind = RequestKind::of_body(
     ["touch myself there", "touched myself"],
     Act::Moves(Conversation::touch_part),
     "told: TOUCH|TEND|FEEL BODY; \
@@ -30,8 +30,7 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind::new(
      .. BODY; REACH ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY; give BODY \
      ?GOOD ?BIT TOUCH|TEND|rub; GRAB|hold onto|ON BODY; PUT|PULL|get|move BODY .. ON|near BODY; ^ PART $; \
      RUN|wipe|walk ?your HAND|finger .. PART; TOUCH|TEND|GRAB|cup|hold .. PART",
-)
-.needs_body();
+);
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
     ["feel myself over", "felt myself over"],
@@ -47,7 +46,7 @@ pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
      changed|=changed",
 );
 
-pub(super) const AVOID: RequestKind = RequestKind::new(
+pub(super) const AVOID: RequestKind = RequestKind::of_body(
     ["get out of the way", "watched what came near"],
     Act::Moves(|creature, _, _| creature.watch_out()),
     "said: THING|SOME ?be =coming|=approaching|=flying|=moving; told: AVOID; out of ?its|his|my|harm|THING way; \
@@ -61,8 +60,7 @@ pub(super) const AVOID: RequestKind = RequestKind::new(
      hit|=touched|=struck|caught|bumped & !THING; not to get|be hit|=touched & !THING; GO .. THING|SOME HELPING|do \
      not hit|TOUCH|get|reach|catch|meet; nothing|nobody TOUCH|hit|reach|get you|PART|BODY; avoid|dodge \
      ?=being|=getting =hit|hit|it|THING",
-)
-.needs_body();
+);
 
 impl Conversation {
     fn touch_part(&mut self, request: &Request, _: &Leave) -> Acted {

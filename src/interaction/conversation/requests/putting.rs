@@ -22,7 +22,7 @@ const ASIDE: f64 = 0.15;
 /// How much effort is made to find the farthest place.
 const EFFORT: usize = 2;
 
-pub(super) const PUT_FAR: RequestKind = RequestKind::new(
+pub(super) const PUT_FAR: RequestKind = RequestKind::of_body(
     ["put it far away", "put it far away"],
     Act::Handles(|creature, thing, request| creature.put(Goal::Far, thing, request)),
     "told: PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR; \
@@ -37,10 +37,9 @@ pub(super) const PUT_FAR: RequestKind = RequestKind::new(
      !NEAR|too|or|how; THING at|on|to ?its ?very FAR|back|other|opposite|maximum|greatest \
      end|edge|side|back|GAP|place; make|clear room|space; THING .. FAR ?away|off & !be|how|where|which|NEAR|too; ^ \
      WANTED .. FAR & THING & !too|how|NEAR|or; FAR ?ANY with THING",
-)
-.needs_body();
+);
 
-pub(super) const BRING_NEAR: RequestKind = RequestKind::new(
+pub(super) const BRING_NEAR: RequestKind = RequestKind::of_body(
     ["bring it near", "brought it near"],
     Act::Handles(|creature, thing, request| creature.put(Goal::Near, thing, request)),
     "said: ^ NEAR $; told: PULL ?THING|SOME ?BIT NEAR & !FAR; PULL ?me THING|SOME & !FAR|away|off|UP; \
@@ -54,18 +53,16 @@ pub(super) const BRING_NEAR: RequestKind = RequestKind::new(
      ON|next|before|beside|by|near ?to you|yourself|me; THING ?right next|beside|before|by ?to \
      you|yourself|me|PART; PUT|PUSH|PULL|bring THING .. your|this way|direction; ^ WANTED .. NEAR & THING & \
      !too|how|FAR|or; NEAR with THING; ^ in front of BODY|you $",
-)
-.needs_body();
+);
 
-pub(super) const PUT_ASIDE: RequestKind = RequestKind::new(
+pub(super) const PUT_ASIDE: RequestKind = RequestKind::of_body(
     ["move it to the side", "moved it to the side"],
     Act::Handles(|creature, thing, request| match request.aside {
         Some(aside) => creature.put(Goal::Aside(aside), thing, request),
         None => Ok(Answer::failed("I do not know to which side I am to move it")),
     }),
     "told: VERB .. SIDE; PUSH|PUT & THING|SOME & SIDE",
-)
-.needs_body();
+);
 
 /// Where a thing is to be put.
 #[derive(Clone, Copy)]

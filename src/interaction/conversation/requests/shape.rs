@@ -18,7 +18,7 @@ const FITS: f64 = 0.003;
 /// A length whose deviation is above this is known roughly only, metres.
 const ROUGHLY: f64 = 0.005;
 
-pub(super) const FEEL_SHAPE: RequestKind = RequestKind::new(
+pub(super) const FEEL_SHAPE: RequestKind = RequestKind::of_body(
     ["feel its shape", "felt its shape"],
     Act::Handles(Conversation::feel_shape),
     "told: FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE; FEEL|FIND|EXAMINE|see ?out \
@@ -31,8 +31,7 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind::new(
      FEEL what KIND; FIND out what THING; EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each \
      ?face|side|part|bit|face|sides OF THING; TOUCH THING in|at|from|on .. places|sides|points|spots|times & \
      MORE|NUMBER|ALL|many|different|several",
-)
-.needs_body();
+);
 
 pub(super) const HOW_BIG: RequestKind = RequestKind::new(
     ["tell how big it is", "told how big it is"],

@@ -7,13 +7,12 @@ use crate::interaction::conversation::grammar::{Leave, Request};
 use crate::interaction::stick::KnownStick;
 use crate::interaction::tasks::tried;
 
-pub(super) const TAKE_STICK: RequestKind = RequestKind::new(
+pub(super) const TAKE_STICK: RequestKind = RequestKind::of_body(
     ["take the stick", "took the stick"],
     Act::Moves(Conversation::take_stick),
     "told: GRAB|have|get|accept|pick|lift|KEEP ?up STICK; reach for STICK; i .. GIVE|hand|hold .. you .. STICK; \
      GIVE you STICK; STICK for you; for you STICK; STICK & take|hold|GRAB|get; here ?you ?go STICK",
-)
-.needs_body();
+);
 
 pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
     ["give the stick back", "gave the stick back"],

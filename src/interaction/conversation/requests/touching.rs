@@ -7,7 +7,7 @@ use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 use crate::peripersonal::{Level, OutOfReach};
 
-pub(super) const TOUCH: RequestKind = RequestKind::new(
+pub(super) const TOUCH: RequestKind = RequestKind::of_body(
     ["touch it", "touched it"],
     Act::Handles(|creature, thing, request| {
         if request.stick {
@@ -31,8 +31,7 @@ pub(super) const TOUCH: RequestKind = RequestKind::new(
      ?THING with|use HAND ?instead|now $; REACH ?out ?and|to|for TOUCH; switch|change|swap ?over ?to HAND; TOUCH & \
      THING; HAND TOUCH THING; ^ THING & other|instead; HAND TOUCH; PUT|lay|get .. HAND|finger|fingertip .. ON \
      THING; give THING .. TOUCH|dab|poke|tap|touch; TOUCH THING ?with other|left|right",
-)
-.needs_body();
+);
 
 impl Conversation {
     /// Whether a thing is beyond what either bare hand reaches without leaning, by the map.
