@@ -196,13 +196,12 @@ impl PlacedEntry {
 
 impl DeterminedEntry {
     fn new(found: &Observability, creature: &Creature) -> DeterminedEntry {
-        let (joints, limbs) = (creature.joints(), creature.limbs());
         let joints = |holds: &dyn Fn(usize) -> bool| {
-            let held = joints.iter().enumerate().filter(|(joint, _)| holds(*joint));
+            let held = creature.joints().iter().enumerate().filter(|(joint, _)| holds(*joint));
             held.map(|(_, joint)| joint.name.clone()).collect()
         };
         let limbs = |holds: &dyn Fn(usize) -> bool| {
-            let held = limbs.iter().enumerate().filter(|(limb, _)| holds(*limb));
+            let held = creature.limbs().iter().enumerate().filter(|(limb, _)| holds(*limb));
             held.map(|(_, limb)| limb.clone()).collect()
         };
         let (parameters, information) = (&found.parameters, found.information());

@@ -6,7 +6,7 @@
 //! reader by [`ReadLock::take`].
 
 use crate::error::{Error, Kind};
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -272,8 +272,7 @@ fn sweep(folder: &Path) {
         let is_part = name.starts_with('.') && name.ends_with(".part");
         if is_part
             && entry.file_type().is_ok_and(|kind| kind.is_file())
-            && File::open(entry.path())
-                .is_ok_and(|file| !matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+            && File::open(entry.path()).is_ok_and(|file| lock(&file, Duration::ZERO).is_ok())
         {
             let _ = fs::remove_file(entry.path());
         }

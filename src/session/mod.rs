@@ -20,7 +20,6 @@ mod log;
 mod map_file;
 mod mistaken;
 mod observer;
-mod recorded;
 mod recording;
 mod request;
 mod robot;

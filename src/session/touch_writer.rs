@@ -1,12 +1,14 @@
 //! Writing the log of touches while they are made.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use super::TOUCHES_FILE;
+use super::files::{self, lock};
 use super::stamp::drop_zeros;
 use super::touch_log::{STAMP, TouchHeader, TouchLine, UNITS, check, met};
-use super::{TOUCHES_FILE, files};
 use crate::agent::Agent;
 use crate::error::Error;
 use crate::senses::RecordedTouch;
@@ -37,14 +39,10 @@ pub struct TouchWriter<'a> {
 fn open_alone(path: &Path) -> Result<File, Error> {
     let opened = OpenOptions::new().append(true).create(true).open(path);
     let file = opened.map_err(Error::unwritable(path))?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            let message = "another process is writing it: wait for its end, or end it";
-            Err(Error::content(path, None, message))
-        }
-        // Where there are no locks, nobody else can be kept away.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
-    }
+    lock(&file, Duration::ZERO).map_err(|_| {
+        Error::content(path, None, "another process is writing it: wait for its end, or end it")
+    })?;
+    Ok(file)
 }
 
 impl<'a> TouchWriter<'a> {
