@@ -4,7 +4,8 @@ use crate::error::Error;
 use std::io;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{LEARNING_FILE, files, write_whole};
 
@@ -20,28 +21,28 @@ pub struct LearningRow {
     /// The touches that were learned from.
     pub touches: usize,
     /// How far apart the schema before put the surfaces that met in the last of them, millimetres, …
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "gap")]
     pub predicted_gap_mm: Option<f64>,
     /// … and the standard deviation that the learner expected of that.
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "measure")]
     pub predicted_deviation_mm: Option<f64>,
     /// 1 if the schema predicts held-out touches, else 0.
     #[serde(default)]
     pub converged: Option<u8>,
     /// The residual of held-out touches, a root mean square in the learner's own unit.
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "measure")]
     pub fresh_rms: Option<f64>,
     /// The mean surface error between all pairs of limbs, millimetres.
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "measure")]
     pub heldout_mean_mm: Option<f64>,
     /// 95 % of these errors are less.
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "measure")]
     pub heldout_p95_mm: Option<f64>,
     /// The mean surface error between a hand and other limbs, millimetres.
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "measure")]
     pub hand_mean_mm: Option<f64>,
     /// The median angle between learned and true axes, degrees.
-    #[serde(default)]
+    #[serde(default, serialize_with = "written", deserialize_with = "measure")]
     pub axis_median_deg: Option<f64>,
 }
 
@@ -55,40 +56,32 @@ pub fn write_learning_table(folder: &Path, rows: &[LearningRow]) -> Result<(), E
     let path = folder.join(LEARNING_FILE);
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        let mut row = row.clone();
-        row.numbers().into_iter().for_each(|number| *number = number.filter(|x| x.abs() <= GREATEST));
-        writer.serialize(&row).map_err(io::Error::other).map_err(Error::unwritable(&path))?;
+        writer.serialize(row).map_err(io::Error::other).map_err(Error::unwritable(&path))?;
     }
     let table = writer.into_inner().map_err(|error| Error::unwritable(&path)(error.into_error()))?;
     write_whole(&path, &table).map_err(Error::unwritable(&path))
 }
 
-impl LearningRow {
-    /// The measures; the first, a gap, may be negative, as an overlap.
-    fn numbers(&mut self) -> [&mut Option<f64>; 7] {
-        [
-            &mut self.predicted_gap_mm,
-            &mut self.predicted_deviation_mm,
-            &mut self.fresh_rms,
-            &mut self.heldout_mean_mm,
-            &mut self.heldout_p95_mm,
-            &mut self.hand_mean_mm,
-            &mut self.axis_median_deg,
-        ]
-    }
+/// A number that no measure can have leaves its cell empty.
+fn written<S: Serializer>(number: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    number.filter(|x| x.abs() <= GREATEST).serialize(serializer)
+}
 
-    /// What of it cannot be, after a row of so many touches.
-    fn fault(&mut self, before: usize) -> Option<String> {
-        let (touches, converged) = (self.touches, self.converged);
-        let converged = converged.filter(|converged| *converged > 1).map(f64::from);
-        let possible = |k: usize, x: f64| x.abs() <= GREATEST && (k == 0 || x >= 0.0);
-        let mut numbers = self.numbers().into_iter().enumerate().filter_map(|(k, x)| Some((k, (*x)?)));
-        let wrong = numbers.find(|(k, x)| !possible(*k, *x)).map(|(_, x)| x);
-        if let Some(wrong) = wrong.or(converged) {
-            return Some(format!("{wrong} is no number that this measure can have"));
-        }
-        let order = (before..=MOST_TOUCHES).contains(&touches);
-        (!order).then(|| format!("it is of {touches} touches, after {before}"))
+/// A gap, which is negative where surfaces overlap.
+fn gap<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    within(-GREATEST, deserializer)
+}
+
+/// Any other measure.
+fn measure<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    within(0.0, deserializer)
+}
+
+fn within<'de, D: Deserializer<'de>>(least: f64, deserializer: D) -> Result<Option<f64>, D::Error> {
+    let number = Option::<f64>::deserialize(deserializer)?;
+    match number.filter(|x| !(least..=GREATEST).contains(x)) {
+        None => Ok(number),
+        Some(wrong) => Err(D::Error::custom(format!("{wrong} is no number that this measure can have"))),
     }
 }
 
@@ -108,7 +101,7 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
     };
     let mut rows: Vec<LearningRow> = Vec::new();
     for (k, row) in csv::Reader::from_reader(&bytes[..]).deserialize().enumerate() {
-        let mut row: LearningRow = row.map_err(|error: csv::Error| match error.kind() {
+        let row: LearningRow = row.map_err(|error: csv::Error| match error.kind() {
             csv::ErrorKind::Deserialize { err, pos } => {
                 let field = err.field().map_or(String::new(), |field| format!("cell {}: ", field + 1));
                 let line = pos.as_ref().map_or(k + 2, |pos| pos.line() as usize);
@@ -119,8 +112,9 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
             }
             _ => refuse(k + 2, format!("it is no row of learning ({error})")),
         })?;
-        if let Some(fault) = row.fault(rows.last().map_or(0, |last| last.touches)) {
-            return Err(refuse(k + 2, fault));
+        let before = rows.last().map_or(0, |last| last.touches);
+        if !(before..=MOST_TOUCHES).contains(&row.touches) {
+            return Err(refuse(k + 2, format!("it is of {} touches, after {before}", row.touches)));
         }
         rows.push(row);
     }
