@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 pub use mjcf::to_mjcf;
 pub use urdf::{Urdf, to_urdf};
-pub use vtk::{about, reachable_vtk};
+pub use vtk::reachable_vtk;
 
 use crate::agent::Agent;
 use crate::creature::Creature;

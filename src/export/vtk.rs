@@ -47,18 +47,9 @@ pub(super) fn files(agent: &Agent, schema: &BodySchema, path: &Path) -> Vec<Expo
     vec![(path.to_path_buf(), text.into_bytes())]
 }
 
-/// The box about the boxes of all maps.
-pub fn about(maps: &[ReachableMap]) -> Lattice {
-    let lattices = || maps.iter().map(ReachableMap::lattice);
-    let first = [0, 1, 2].map(|k| lattices().map(|l| l.first[k]).min().unwrap_or(0));
-    let end = [0, 1, 2].map(|k| lattices().map(|l| l.first[k] + l.counts[k] as i32).max().unwrap_or(0));
-    let counts = [0, 1, 2].map(|k| (end[k] - first[k]) as usize);
-    Lattice { voxel: lattices().next().map_or(0.0, |l| l.voxel), first, counts }
-}
-
 /// The maps: per hand 2 near, 1 far and 0 out of reach, in the box about all of them.
 pub fn reachable_vtk(own: &OwnBody, maps: &[ReachableMap]) -> Vec<u8> {
-    let lattice = about(maps);
+    let lattice = Lattice::about(maps.iter().map(ReachableMap::lattice));
     let [nx, ny, nz] = lattice.counts;
     let origin = lattice.middle(lattice.first);
     let chest = maps.first().map_or("", |map| &own.creature().limbs()[map.chest]);

@@ -14,6 +14,14 @@ pub struct Lattice {
 }
 
 impl Lattice {
+    /// The box about the boxes of others, whose voxels are as large.
+    pub fn about<'l>(all: impl Iterator<Item = &'l Lattice> + Clone) -> Lattice {
+        let first = [0, 1, 2].map(|k| all.clone().map(|l| l.first[k]).min().unwrap_or(0));
+        let end = [0, 1, 2].map(|k| all.clone().map(|l| l.first[k] + l.counts[k] as i32).max().unwrap_or(0));
+        let counts = [0, 1, 2].map(|k| (end[k] - first[k]) as usize);
+        Lattice { voxel: { all }.next().map_or(0.0, |l| l.voxel), first, counts }
+    }
+
     /// The voxels that hold all within `radius` of a point, metres; none where they are more than `most`.
     pub fn around(middle: &Vector3<f64>, radius: f64, voxel: f64, most: usize) -> Option<Lattice> {
         let bound = |side: f64, k: usize| ((middle[k] + side * radius) / voxel).round() + side;

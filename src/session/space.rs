@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::SPACE_FILE;
 use super::stamp::Stamp;
 use crate::error::Error;
-use crate::export::about;
-use crate::peripersonal::{Level, OwnBody, ReachableMap};
+use crate::peripersonal::{Lattice, Level, OwnBody, ReachableMap};
 use crate::plausible::{GREATEST_LENGTH, is_length};
 
 const STAMP: Stamp = Stamp { format: "bodyschema space", version: 1 };
@@ -150,21 +149,27 @@ fn outlines(own: &OwnBody, map: &ReachableMap, [a, b]: [usize; 2]) -> Vec<Vec<[f
 impl SpaceRecord {
     /// The three slices of maps, of which there is at least one, and in sentences what of them is a guess.
     pub fn of(own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> SpaceRecord {
+        let lattice = Lattice::about(maps.iter().map(ReachableMap::lattice));
         let limbs = own.creature().limbs();
         let name = |limb: usize| limbs[limb].clone();
         SpaceRecord {
             chest: maps.first().map_or(String::new(), |map| name(map.chest)),
             hands: maps.iter().map(|map| map.name(own)).collect(),
-            voxel: about(maps).voxel,
+            voxel: lattice.voxel,
             litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
             doubts,
-            slices: SLICES.iter().map(|(name, axes)| slice_of(own, maps, name, *axes)).collect(),
+            slices: SLICES.iter().map(|(name, axes)| slice_of(own, maps, &lattice, name, *axes)).collect(),
         }
     }
 }
 
-fn slice_of(own: &OwnBody, maps: &[ReachableMap], name: &str, axes @ [a, b]: [usize; 2]) -> SpaceSlice {
-    let lattice = about(maps);
+fn slice_of(
+    own: &OwnBody,
+    maps: &[ReachableMap],
+    lattice: &Lattice,
+    name: &str,
+    axes @ [a, b]: [usize; 2],
+) -> SpaceSlice {
     let at = lattice.cell(&crossing(maps))[3 - a - b];
     let digit = |u: usize, v: usize| {
         let mut cell = [at; 3];
