@@ -254,13 +254,19 @@ impl<'a> Log<'a> {
         })
     }
 
+    /// The hinges that have a column.
+    pub fn hinges(&self) -> Vec<(LogJoint<'a>, usize)> {
+        let read = |at: usize| self.posture[at].is_some();
+        self.joints().filter(|(joint, at)| joint.kind == DofKind::Hinge && read(*at)).collect()
+    }
+
     /// Refuses angles of which most are beyond a full turn, and single ones that their joint cannot have; ranges beyond one are
     /// noted. Postures come with their lines.
     pub fn check_angles<'p>(
         &mut self,
         postures: impl Iterator<Item = (usize, &'p [f64])> + Clone,
     ) -> Result<(), Error> {
-        let hinges: Vec<_> = self.joints().filter(|(joint, _)| joint.kind == DofKind::Hinge).collect();
+        let hinges = self.hinges();
         let angles = |at: usize| postures.clone().map(move |(line, posture)| (line, posture[at]));
         for (LogJoint { name, .. }, at) in &hinges {
             let column = self.posture[*at].map(|column| &self.table.columns[column]);

@@ -93,8 +93,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     log.notes.extend(one_sided);
     log.note_repeats(repeats, all);
     log.check_angles(touches.iter().map(|touch| (touch.line, &touch.posture[..])))?;
-    let hinges: Vec<_> = log.joints().filter(|(joint, _)| joint.kind == DofKind::Hinge).collect();
-    log.notes.extend(hinges.into_iter().filter_map(|(joint, at)| {
+    log.notes.extend(log.hinges().into_iter().filter_map(|(joint, at)| {
         far_angles(joint, touches.iter().map(|touch| (touch.line, touch.posture[at])))
     }));
     refuse_millimetres(&log, robot, &touches)?;
