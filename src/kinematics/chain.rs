@@ -97,8 +97,8 @@ impl ChainSide {
         frame
     }
 
-    /// `∂p_C/∂q` of a limb's point `p_l` by every hinge's angle, in metres a radian, added to `derivatives` with
-    /// its degree of freedom. Axes are of unit length.
+    /// `∂p_C/∂q` of a limb's point `p_l` by every hinge's angle, and by turns of every ball about three axes, in metres a radian,
+    /// added to `derivatives` with the degree of freedom. Axes are of unit length.
     pub fn angle_derivatives(
         &self,
         schema: &BodySchema,
@@ -108,22 +108,25 @@ impl ChainSide {
         let p_c = self.frame(schema).point(p_l);
         // The point as seen from each step on, in C: its offset from the joint, turned about the axis there.
         self.walk(schema, |dof, transform, frame| {
-            if let DofTransform::Hinge { .. } = transform {
-                let axis_c = frame.direction(&schema.axes[dof]);
-                derivatives.push((dof, axis_c.cross(&(p_c - frame.origin))));
+            let arm = p_c - frame.origin;
+            match transform {
+                DofTransform::Hinge { .. } => {
+                    derivatives.push((dof, frame.direction(&schema.axes[dof]).cross(&arm)));
+                }
+                DofTransform::Ball { .. } => {
+                    let about = |axis: Vector3<f64>| (dof, axis.cross(&arm));
+                    derivatives.extend(frame.rotation.column_iter().map(|axis| about(axis.into_owned())));
+                }
+                DofTransform::Slide { .. } => {}
             }
         });
     }
 
-    /// The axes about which the hinges turn the limb at the end of the side: direction and a point, in C.
-    pub fn hinges(&self, schema: &BodySchema) -> Vec<[Vector3<f64>; 2]> {
-        let mut hinges = Vec::with_capacity(self.steps.len());
-        self.walk(schema, |dof, transform, frame| {
-            if let DofTransform::Hinge { .. } = transform {
-                hinges.push([frame.direction(&schema.axes[dof]), frame.origin]);
-            }
-        });
-        hinges
+    /// The same side with each of its hinges turned on by the next of some angles, each ball about three axes by the next three:
+    /// those of [`angle_derivatives`](ChainSide::angle_derivatives), radians.
+    pub fn turned(&self, angles: &mut impl Iterator<Item = f64>) -> ChainSide {
+        let turned = |(dof, transform): &(usize, DofTransform)| (*dof, transform.turned_on(angles));
+        ChainSide { joints: self.joints.clone(), steps: self.steps.iter().map(turned).collect() }
     }
 
     /// `p_C = X_CL p_L` and its derivatives by every position, axis and limb's pose of the side, into `jacobian`.

@@ -11,7 +11,7 @@
 
 use std::borrow::Borrow;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::rotation::rotation;
 use crate::creature::{Creature, DofKind, Joint, ball};
@@ -45,6 +45,23 @@ impl DofTransform {
     pub fn hinge(angle: f64) -> DofTransform {
         let (sine, cosine) = angle.sin_cos();
         DofTransform::Hinge { sine, versine: 1.0 - cosine }
+    }
+
+    /// The same, turned on by the next of some angles about its axis, or by three about those of the parent's side, radians.
+    pub fn turned_on(&self, angles: &mut impl Iterator<Item = f64>) -> DofTransform {
+        let mut next = || angles.next().unwrap_or(0.0);
+        match *self {
+            DofTransform::Hinge { sine, versine } => {
+                let (cosine, (by_sine, by_cosine)) = (1.0 - versine, next().sin_cos());
+                let turned = [sine * by_cosine + cosine * by_sine, cosine * by_cosine - sine * by_sine];
+                DofTransform::Hinge { sine: turned[0], versine: 1.0 - turned[1] }
+            }
+            DofTransform::Slide { .. } => *self,
+            DofTransform::Ball { rotation } => {
+                let by = Rotation3::new(Vector3::from_fn(|_, _| next()));
+                DofTransform::Ball { rotation: by.matrix() * rotation }
+            }
+        }
     }
 
     /// Carries a frame on the parent's side of the degree of freedom to its other side.

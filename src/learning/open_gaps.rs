@@ -10,7 +10,7 @@ use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::kinematics::Chain;
 use crate::learning::annealing::{quantile, typical_gap};
-use crate::learning::noise::{Compared, Noise, gaps_of};
+use crate::learning::noise::{Adjusted, Compared, Noise, gaps_of};
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
@@ -202,7 +202,7 @@ impl OpenGaps {
         let nothing = Parameters::new(agent.creature(), AxisModel::Unit, |_| false);
         // Noisy joints open the gaps of long chains.
         let noisy = (quantile(&sorted, 0.5) > CERTAIN_NOISE).then(|| {
-            let gaps = gaps_of((agent, Compared::Surfaces), touches, &nothing, schema, &[]);
+            let gaps = gaps_of((agent, Compared::Surfaces), &Adjusted::none(touches), &nothing, schema);
             (Noise::estimate(&gaps, &nothing, &DMatrix::zeros(0, 0), None, false), gaps)
         });
         let deviation = |number: usize| match &noisy {

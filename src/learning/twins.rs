@@ -26,10 +26,8 @@ const STEPS: usize = 60;
 const FEW_AXES: usize = 4;
 /// An axis that ends within this of where it was is the same, 1.
 const SAME_AXIS: f64 = 0.02;
-/// Another answer explains touches as well where twice the logarithm of how much likelier they are by the first is no more than this:
-/// three deviations.
-const AS_WELL: f64 = 9.0;
-/// What misses by no more than this is exact, in deviations of the points.
+/// How much worse another answer may explain the touches: by its share, and in deviations of the points.
+const AS_WELL: f64 = 1.1;
 const AS_EXACTLY: f64 = 1e-3;
 
 /// The touches without those of pairs of limbs that another answer, with axes the other way, explains as well and that no others
@@ -95,15 +93,7 @@ fn twin(
         |joint| joints.contains(&joint),
         |joint, _| untold.contains(&joint),
     );
-    let closest = |start: BodySchema| {
-        let stopping =
-            Stopping { iterations: STEPS, relative_cost: 1e-6, cost: 0.0, deadline: Deadline::Never };
-        let mut problem = TouchProblem::new(creature, &few, &parameters, PointsMeet::Anyhow);
-        levenberg_marquardt(&mut problem, start, stopping).state
-    };
-    // Both answers take up what noise these few have.
-    let own = closest(schema.clone());
-    let own_misfit = misfit(&few, &own).max(AS_EXACTLY);
+    let now = misfit(&few, schema);
     let turned = |turned: &dyn Fn(usize) -> bool| {
         let mut other = schema.clone();
         let of_it = axes.iter().enumerate().filter(|(number, _)| turned(*number));
@@ -131,16 +121,16 @@ fn twin(
         others.push(other);
     }
     others.into_iter().find_map(|other| {
-        let other = closest(other);
+        let stopping =
+            Stopping { iterations: STEPS, relative_cost: 1e-6, cost: 0.0, deadline: Deadline::Never };
+        let mut problem = TouchProblem::new(creature, &few, &parameters, PointsMeet::Anyhow);
+        let other = levenberg_marquardt(&mut problem, other, stopping).state;
         let is_turned = |joint: &usize| {
             let mut elements = creature.joints()[*joint].elements().filter(|at| !at.is_ball());
-            elements.any(|at| (other.axes[at.axis()] - own.axes[at.axis()]).norm() > SAME_AXIS)
+            elements.any(|at| (other.axes[at.axis()] - schema.axes[at.axis()]).norm() > SAME_AXIS)
         };
         let turned: Vec<usize> = untold.iter().copied().filter(is_turned).collect();
-        // Of points with noise alike, of which nobody knows how much it is.
-        let rows = (3 * few.len()) as f64;
-        let likelier = rows * (misfit(&few, &other).max(AS_EXACTLY) / own_misfit).powi(2).ln();
-        (!turned.is_empty() && likelier <= AS_WELL).then_some(turned)
+        (!turned.is_empty() && misfit(&few, &other) <= AS_WELL * now + AS_EXACTLY).then_some(turned)
     })
 }
 

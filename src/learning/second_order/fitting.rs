@@ -102,8 +102,8 @@ impl SecondOrder {
     ) -> BodySchema {
         let mut noise: Option<Noise> = None;
         for _ in 0..WEIGHINGS {
-            let (found, widening) = self.noise(used, parameters, &schema, noise);
-            let mut problem = NoisyProblem::new(self.compared(), used, parameters, prior, (found, &widening));
+            let (found, adjusted) = self.noise(used, parameters, &schema, noise);
+            let mut problem = NoisyProblem::new(self.compared(), &adjusted, parameters, prior, found);
             schema = levenberg_marquardt(&mut problem, schema, LAST).state;
             noise = Some(found);
         }

@@ -11,7 +11,7 @@ use crate::learning::annealing::{NARROWEST, gaps, typical_gap};
 use crate::learning::curvature::distances_by_curvature;
 use crate::learning::growing::Evidence;
 use crate::learning::least_squares::LeastSquares;
-use crate::learning::noise::{Compared, Noise, NoisyGap, gaps_of, information, widening};
+use crate::learning::noise::{Adjusted, Compared, Noise, NoisyGap, gaps_of, information};
 use crate::learning::observability::Observability;
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::witnesses;
@@ -87,7 +87,7 @@ impl SecondOrder {
         let deviation = self.gap_deviation(skin, used, &parameters, schema);
         let used = if deviation > CERTAIN_NOISE {
             let (noise, _) = self.noise(used, &parameters, schema, None);
-            let gaps = gaps_of(self.compared(), used, &parameters, schema, &[]);
+            let gaps = gaps_of(self.compared(), &Adjusted::none(used), &parameters, schema);
             witnesses(&self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
         } else {
             witnesses(&self.agent, used, schema, |_| deviation, true)
@@ -95,25 +95,25 @@ impl SecondOrder {
         self.observe_witnesses(&used, schema)
     }
 
-    /// The noise of touches at a schema that was fitted to them, and how much wider it makes each gap, metres.
+    /// The noise of touches at a schema that was fitted to them, and the touches as they most likely were.
     /// `before` is a rough guess.
-    pub(super) fn noise(
+    pub(super) fn noise<'t>(
         &self,
-        touches: &TouchSet,
+        touches: &'t TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
         before: Option<Noise>,
-    ) -> (Noise, Vec<f64>) {
+    ) -> (Noise, Adjusted<'t>) {
         let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
         self.known.prior.add_information(parameters, &mut prior);
-        let estimate = |widening: &[f64], before| {
-            let gaps = gaps_of(self.compared(), touches, parameters, schema, widening);
+        let estimate = |adjusted: &Adjusted, before| {
+            let gaps = gaps_of(self.compared(), adjusted, parameters, schema);
             // Points of contact are wherever they are, by no fault of a receptor.
             Noise::estimate(&gaps, parameters, &prior, before, self.compared().1 == Compared::Surfaces)
         };
-        let noise = before.unwrap_or_else(|| estimate(&[], None));
-        let widening = self.widening(touches, schema, &noise);
-        (estimate(&widening, Some(noise)), widening)
+        let noise = before.unwrap_or_else(|| estimate(&Adjusted::none(touches), None));
+        let adjusted = Adjusted::of(self.compared(), touches, schema, &noise);
+        (estimate(&adjusted, Some(noise)), adjusted)
     }
 
     /// What of the joints and limbs of some touches may be fitted, and which limbs are placed at all.
@@ -171,7 +171,8 @@ impl SecondOrder {
             }
             _ => {
                 let mut noise = self.noise(used, &parameters, schema, None).0;
-                spread = noise.deviation(&gaps_of(self.compared(), used, &parameters, schema, &[]));
+                spread =
+                    noise.deviation(&gaps_of(self.compared(), &Adjusted::none(used), &parameters, schema));
                 noise.contact = noise.contact.max(SHARPEST);
                 let told = |_: &TouchSet, gaps: &[NoisyGap]| {
                     information(gaps, &parameters, &noise)
@@ -201,8 +202,10 @@ impl SecondOrder {
         told: impl Fn(&TouchSet, &[NoisyGap]) -> DMatrix<f64>,
     ) -> Observability {
         loop {
-            let widening = self.widening(touches, schema, noise);
-            let gaps = gaps_of(self.compared(), touches, parameters, schema, &widening);
+            let gaps = {
+                let adjusted = Adjusted::of(self.compared(), touches, schema, noise);
+                gaps_of(self.compared(), &adjusted, parameters, schema)
+            };
             let found = self.observability(parameters, schema, told(touches, &gaps), 5 * touches.len());
             // Without some of the touches others may be the only ones that are left.
             match checked(touches, &gaps, &found, noise) {
@@ -219,14 +222,6 @@ impl SecondOrder {
             Evidence::Surfaces(_) => Compared::Surfaces,
         };
         (&self.agent, compared)
-    }
-
-    /// How much wider misread joints make each gap, metres: points they move to all sides alike.
-    fn widening(&self, touches: &TouchSet, schema: &BodySchema, noise: &Noise) -> Vec<f64> {
-        match self.compared().1 {
-            Compared::Surfaces if noise.joint > 0.0 => widening(&self.agent, touches, schema, noise.joint),
-            _ => Vec::new(),
-        }
     }
 
     /// The same as [`checked`] of points, of which each gives three equations: those are left whose every equation others

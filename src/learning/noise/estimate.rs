@@ -1,36 +1,13 @@
-//! The noise of touches as it is: how much of it there is of each kind, estimated from the gaps that a schema leaves.
-//!
-//! A gap between two surfaces that touched, or between two points that were one, is not zero where joints are misread, anew
-//! in every touch; where a receptor and the skin under it are not where the agent believes them, the same in all touches of
-//! that receptor; and where a touch is false and says nothing at all. With the gap's derivatives by the parameters (`j`), by the joint angles
-//! (`∂g/∂q`) and by shifts of the skin under its two receptors (`n`), to first order
-//!
-//! ```text
-//! g = j δ + Σ n d + e      d ~ N(0, σ_r²), three coordinates a receptor
-//!                          e ~ N(0, σ₀² + σ_q² |∂g/∂q|²)   with probability 1 − ε, else anywhere
-//! ```
-//!
-//! That is a linear mixed model. The deviations are those of greatest restricted likelihood, found by fixed-point steps on
-//! its derivatives (Harville, "Maximum Likelihood Approaches to Variance Component Estimation", 1977; the steps of Zhou,
-//! Hu, Zhou and Lange, "MM Algorithms for Variance Components Models", 2019); the share `ε` and who is honest by
-//! expectation and maximisation (Dempster, Laird and Rubin 1977). What touches determine in such noise is the information
-//! that is left when the shifts `d` are eliminated from the normal equations of `δ` and `d` together (Schur's complement).
+//! How much noise of each kind there is, and what touches determine in it.
 
 use nalgebra::linalg::Cholesky;
-use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Vector3};
 
-use crate::agent::Agent;
-use crate::deadline::count_work;
-use crate::kinematics::ChainSide;
+use super::gap::{Compared, NoisyGap};
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
-use crate::learning::least_squares::{LeastSquares, Linearization};
-use crate::learning::observation::Observation;
-use crate::learning::prediction::{GapRow, add_row, information_inverse, row_variance};
-use crate::learning::prior::PriorTerm;
-use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{LOOK, PreparedTouch, TouchSet};
-use crate::schema::BodySchema;
+use crate::learning::prediction::{add_row, information_inverse};
+use crate::learning::touch_set::TouchSet;
 
 /// Rounds of who is honest, what the touches say and how much noise there is, one after the other.
 const ROUNDS: usize = 12;
@@ -42,8 +19,6 @@ const SETTLED: f64 = 1e-2;
 /// in 49 of 50 cases.
 const CHANCE: f64 = 2.0;
 
-/// How far joints are taken to be misread where the axes are chosen along which points are compared, radians.
-const MISREAD: f64 = 0.01;
 /// The least radius of a limb's surface, metres: that of a finger.
 const BENT: f64 = 0.01;
 /// How near the places of two touches on both limbs are whose gaps are alike if the schema is wrong, metres: hardly any
@@ -63,153 +38,6 @@ pub struct Noise {
     pub false_share: f64,
 }
 
-/// The gap of one touch at a schema, or that of its two points along one of three axes, and what it depends on.
-#[derive(Clone, Debug)]
-pub struct NoisyGap {
-    /// The gap, metres.
-    pub gap: f64,
-    /// The variance that it was told to have, m²; 0 where nothing is told.
-    told: f64,
-    /// Its derivative by the parameters: pairs of a parameter's place and the derivative by it.
-    entries: Vec<(usize, f64)>,
-    /// `|∂g/∂q|²`, m² a square radian.
-    slope: f64,
-    /// The two receptors.
-    receptors: [usize; 2],
-    /// Where the surfaces are closest, in both limbs' frames, metres.
-    places: [Vector3<f64>; 2],
-    /// Its derivative by shifts of the skin under them, each in its limb's frame.
-    normals: [Vector3<f64>; 2],
-    /// How far apart the two limbs may be where the touch is false, metres.
-    width: f64,
-}
-
-/// How much wider than nothing the gaps of touches are on average where joints are misread by a deviation (radians),
-/// metres: surfaces that touch part whichever way one slides along the other.
-///
-/// To second order `½ σ_q² Σ ∂²g/∂q²`, by differences as wide as the deviation itself.
-pub fn widening(agent: &Agent, touches: &TouchSet, schema: &BodySchema, joint: f64) -> Vec<f64> {
-    let model = SurfaceGap::new(agent.skin(), 1.0);
-    let widening = |touch: &PreparedTouch| {
-        let frames = touch.frames(schema);
-        let middle = model.gap(&touch.ends, &frames).distance;
-        let mut sum = 0.0;
-        for k in 0..2 {
-            for [axis, point] in touch.sides[k].hinges(schema) {
-                for angle in [-joint, joint] {
-                    let turn = Rotation3::new(axis * angle).into_inner();
-                    let mut turned = frames;
-                    turned[k].rotation = turn * frames[k].rotation;
-                    turned[k].origin = point + turn * (frames[k].origin - point);
-                    sum += 0.5 * (model.gap(&touch.ends, &turned).distance - middle);
-                }
-            }
-        }
-        sum
-    };
-    touches.touches().map(widening).collect()
-}
-
-/// What of touches is compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Compared {
-    /// The gap between two surfaces.
-    Surfaces,
-    /// How far apart two points are, along three axes.
-    Points,
-}
-
-impl Compared {
-    /// How many gaps a touch has.
-    pub fn gaps_a_touch(self) -> usize {
-        match self {
-            Compared::Surfaces => 1,
-            Compared::Points => 3,
-        }
-    }
-}
-
-/// The gaps of all touches at a schema, pair by pair, with their derivatives by some parameters; less their
-/// `widening`, if that is given.
-///
-/// Joints that are misread move two points apart in some directions more than in others: their gaps are taken along the axes in
-/// which these motions are independent of one another.
-pub fn gaps_of(
-    (agent, compared): (&Agent, Compared),
-    touches: &TouchSet,
-    parameters: &Parameters,
-    schema: &BodySchema,
-    widening: &[f64],
-) -> Vec<NoisyGap> {
-    let skin = agent.skin();
-    // A false touch leaves two limbs as far apart as limbs are large, or farther.
-    let mut sizes = vec![0.0; agent.creature().limbs().len()];
-    for receptor in &skin.receptors {
-        let size: &mut f64 = &mut sizes[receptor.limb];
-        *size = size.max(receptor.position.norm());
-    }
-    let mut row = GapRow::default();
-    let mut slopes = Vec::new();
-    let mut gaps = Vec::with_capacity(compared.gaps_a_touch() * touches.len());
-    for pair in &touches.pairs {
-        let width = pair.limbs.iter().map(|&limb| sizes[limb]).sum();
-        for touch in &pair.touches {
-            let mut push = |row: &GapRow, told: f64| {
-                row.angle_slopes(schema, touch, &mut slopes);
-                gaps.push(NoisyGap {
-                    gap: row.gap - widening.get(gaps.len()).copied().unwrap_or(0.0),
-                    told,
-                    entries: row.entries.clone(),
-                    slope: slopes.iter().map(|(_, slope)| slope.powi(2)).sum(),
-                    receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
-                    places: row.points,
-                    normals: row.normals,
-                    width,
-                });
-            };
-            match compared {
-                Compared::Surfaces => {
-                    row.set(skin, parameters, schema, touch);
-                    push(&row, 0.0);
-                }
-                Compared::Points => {
-                    let (axes, told) = axes_of_misses(schema, touch);
-                    for (axis, told) in axes.column_iter().zip(told) {
-                        row.set_miss(parameters, schema, touch, &axis.into_owned());
-                        push(&row, told);
-                    }
-                }
-            }
-        }
-    }
-    gaps
-}
-
-/// Axes in the common ancestor's frame along which misread joints move the two points of a touch independently of one another, and
-/// the variance that the points were told to have along each, m².
-fn axes_of_misses(schema: &BodySchema, touch: &PreparedTouch) -> (Matrix3<f64>, [f64; 3]) {
-    let in_common = |(side, end): (&ChainSide, &Observation)| {
-        let rotation = side.frame(schema).rotation;
-        rotation * end.covariance * rotation.transpose()
-    };
-    let told: Matrix3<f64> = touch.sides.iter().zip(&touch.ends).map(in_common).sum();
-    let misread = touch.spread_by_angles(schema) * MISREAD.powi(2);
-    let axes = (told + misread).symmetric_eigen().eigenvectors;
-    (axes, [0, 1, 2].map(|k| axes.column(k).dot(&(told * axes.column(k)))))
-}
-
-impl NoisyGap {
-    /// Its derivatives by the shifts of either receptor's skin.
-    fn shifts(&self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
-        self.receptors.into_iter().zip(self.normals)
-    }
-
-    /// `j Σ jᵀ` for a covariance of all parameters, m².
-    pub fn predicted(&self, covariance: &DMatrix<f64>) -> f64 {
-        row_variance(&self.entries, covariance)
-    }
-}
-
 impl Noise {
     /// Noise of gaps alone.
     pub fn of_gaps(deviation: f64) -> Noise {
@@ -218,7 +46,7 @@ impl Noise {
 
     /// The variance of a gap that is its own, `σ₀² + σ_q² |∂g/∂q|²` and what it was told to have, m².
     fn own_variance(&self, gap: &NoisyGap) -> f64 {
-        self.contact.powi(2) + self.joint.powi(2) * gap.slope + self.bend() + gap.told
+        self.variance(gap) - 2.0 * self.receptor.powi(2)
     }
 
     /// The variance that shifts of skin along itself add, m²: to second order they move a surface of the radius `R` by
@@ -229,14 +57,19 @@ impl Noise {
 
     /// The variance of an honest gap, m².
     pub fn variance(&self, gap: &NoisyGap) -> f64 {
-        self.own_variance(gap) + 2.0 * self.receptor.powi(2)
+        self.variance_by(gap.slope, gap.told)
     }
 
-    /// The probability that a touch is honest whose gap misses what is expected by so much, with such a variance
-    /// (metres, m²).
-    pub fn honest(&self, gap: &NoisyGap, miss: f64, variance: f64) -> f64 {
+    /// The same by `|∂g/∂q|²` and what it was told to have, m² a square radian and m².
+    pub(super) fn variance_by(&self, slope: f64, told: f64) -> f64 {
+        self.contact.powi(2) + self.joint.powi(2) * slope + self.bend() + told + 2.0 * self.receptor.powi(2)
+    }
+
+    /// The probability that a touch is honest whose gap misses what is expected by so much, with such a variance, where a false one
+    /// may be so wide (metres, m², metres).
+    pub fn honest(&self, width: f64, miss: f64, variance: f64) -> f64 {
         let normal = (-0.5 * miss * miss / variance).exp() / (std::f64::consts::TAU * variance).sqrt();
-        let (honest, other) = ((1.0 - self.false_share) * normal, self.false_share / gap.width);
+        let (honest, other) = ((1.0 - self.false_share) * normal, self.false_share / width);
         if honest + other > 0.0 { honest / (honest + other) } else { 0.0 }
     }
 
@@ -349,17 +182,17 @@ impl Noise {
 }
 
 /// The normal equations of parameters and the shifts of the skin under receptors.
-struct MixedSystem {
+pub(super) struct MixedSystem {
     /// Per gap, the probability that it is honest.
     honest: Vec<f64>,
     /// … and over its own variance, 1/m².
-    weights: Vec<f64>,
+    pub weights: Vec<f64>,
     /// Per receptor, the place of its shift.
     places: Vec<Option<usize>>,
-    shifts: usize,
-    receptor: f64,
-    information: DMatrix<f64>,
-    gradient: DVector<f64>,
+    pub shifts: usize,
+    pub receptor: f64,
+    pub information: DMatrix<f64>,
+    pub gradient: DVector<f64>,
     across: DMatrix<f64>,
     shift_information: DMatrix<f64>,
     shift_gradient: DVector<f64>,
@@ -367,17 +200,17 @@ struct MixedSystem {
 }
 
 /// The same with the shifts eliminated.
-struct Eliminated {
-    information: DMatrix<f64>,
-    gradient: DVector<f64>,
-    cost: f64,
+pub(super) struct Eliminated {
+    pub information: DMatrix<f64>,
+    pub gradient: DVector<f64>,
+    pub cost: f64,
     /// Of the shifts' information; none where there are no shifts.
-    factor: Option<Cholesky<f64, Dyn>>,
+    pub factor: Option<Cholesky<f64, Dyn>>,
 }
 
 /// What they come to.
-struct MixedSolution {
-    residuals: Vec<f64>,
+pub(super) struct MixedSolution {
+    pub residuals: Vec<f64>,
     leverages: Vec<f64>,
     shift_squares: f64,
     shift_freedom: f64,
@@ -385,7 +218,7 @@ struct MixedSolution {
 
 impl MixedSystem {
     /// With `residuals` of the gaps as far as these are known, the gaps themselves where they are not.
-    fn new(
+    pub fn new(
         noise: &Noise,
         gaps: &[NoisyGap],
         parameters: usize,
@@ -400,7 +233,7 @@ impl MixedSystem {
                     Some(residuals) => (residuals[number], noise.own_variance(gap)),
                     None => (gap.gap, noise.variance(gap)),
                 };
-                noise.honest(gap, miss, variance)
+                noise.honest(gap.width, miss, variance)
             })
             .collect();
         let weights: Vec<f64> =
@@ -456,7 +289,7 @@ impl MixedSystem {
         system
     }
 
-    fn shifts_of(&self, gap: &NoisyGap) -> Vec<(usize, f64)> {
+    pub fn shifts_of(&self, gap: &NoisyGap) -> Vec<(usize, f64)> {
         let mut shifts = Vec::with_capacity(6);
         for (receptor, normal) in gap.shifts() {
             if let Some(place) = self.places.get(receptor).copied().flatten() {
@@ -467,7 +300,7 @@ impl MixedSystem {
     }
 
     /// Schur's complement; none where rounding forbids.
-    fn eliminated(&self) -> Option<Eliminated> {
+    pub fn eliminated(&self) -> Option<Eliminated> {
         let (mut information, mut gradient) = (self.information.clone(), self.gradient.clone());
         if self.shifts == 0 {
             return Some(Eliminated { information, gradient, cost: 0.5 * self.squares, factor: None });
@@ -483,7 +316,7 @@ impl MixedSystem {
     }
 
     /// The residuals after a step to the least cost, and how much of each gap it takes up.
-    fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<MixedSolution> {
+    pub fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<MixedSolution> {
         let Eliminated { information, gradient, factor, .. } = self.eliminated()?;
         let covariance = information_inverse(information, parameters)?;
         let change = -&covariance * gradient;
@@ -550,84 +383,6 @@ impl MixedSystem {
     }
 }
 
-/// The least-squares problem of touches in some noise: see the [module](self).
-pub struct NoisyProblem<'a> {
-    of: (&'a Agent, Compared),
-    touches: &'a TouchSet,
-    parameters: &'a Parameters,
-    prior: &'a dyn PriorTerm,
-    noise: Noise,
-    widening: &'a [f64],
-    system: Option<(MixedSystem, Option<Cholesky<f64, Dyn>>)>,
-    residuals: Option<Vec<f64>>,
-}
-
-impl<'a> NoisyProblem<'a> {
-    /// The problem of explaining `touches` by moving `parameters`.
-    pub fn new(
-        of: (&'a Agent, Compared),
-        touches: &'a TouchSet,
-        parameters: &'a Parameters,
-        prior: &'a dyn PriorTerm,
-        (noise, widening): (Noise, &'a [f64]),
-    ) -> NoisyProblem<'a> {
-        NoisyProblem { of, touches, parameters, prior, noise, widening, system: None, residuals: None }
-    }
-
-    /// The cost of gaps under the weights of the last linearization.
-    fn cost_of(&self, gaps: &[NoisyGap]) -> f64 {
-        let Some((system, factor)) = &self.system else { return f64::INFINITY };
-        let mut pull = DVector::zeros(system.shifts);
-        for (gap, weight) in gaps.iter().zip(&system.weights) {
-            for (place, slope) in system.shifts_of(gap) {
-                pull[place] += weight * slope * gap.gap;
-            }
-        }
-        let shift = factor.as_ref().map_or(DVector::zeros(0), |factor| -factor.solve(&pull));
-        let squares = gaps.iter().zip(&system.weights).map(|(gap, weight)| {
-            let moved: f64 = system.shifts_of(gap).iter().map(|&(k, slope)| slope * shift[k]).sum();
-            weight * (gap.gap + moved).powi(2)
-        });
-        0.5 * (squares.sum::<f64>() + shift.norm_squared() / system.receptor.powi(2).max(f64::MIN_POSITIVE))
-    }
-}
-
-impl LeastSquares for NoisyProblem<'_> {
-    type State = BodySchema;
-
-    fn linearize(&mut self, schema: &BodySchema) -> Linearization {
-        let n = self.parameters.len();
-        count_work(self.touches.len() * (LOOK + n.pow(2)));
-        let gaps = gaps_of(self.of, self.touches, self.parameters, schema, self.widening);
-        let nothing = DMatrix::zeros(n, n);
-        let mut system = MixedSystem::new(&self.noise, &gaps, n, &nothing, self.residuals.as_ref());
-        // Who is honest is seen best where the step leads.
-        if let Some(solved) = system.solve(&gaps, self.parameters, false) {
-            system = MixedSystem::new(&self.noise, &gaps, n, &nothing, Some(&solved.residuals));
-            self.residuals = Some(solved.residuals);
-        }
-        let eliminated = system.eliminated();
-        let mut total = match eliminated {
-            None => Linearization { cost: f64::INFINITY, ..Linearization::nothing(n) },
-            Some(Eliminated { information: hessian, gradient, cost, factor }) => {
-                self.system = Some((system, factor));
-                Linearization { scale: hessian.diagonal(), hessian, gradient, cost }
-            }
-        };
-        self.prior.add(self.parameters, schema, &mut total);
-        total
-    }
-
-    fn cost(&self, schema: &BodySchema) -> f64 {
-        let gaps = gaps_of(self.of, self.touches, self.parameters, schema, self.widening);
-        self.cost_of(&gaps) + self.prior.cost(self.parameters, schema)
-    }
-
-    fn step(&self, schema: &BodySchema, step: &DVector<f64>) -> BodySchema {
-        self.parameters.step(schema, step)
-    }
-}
-
 /// What gaps determine in some noise, shifts of the skin under receptors eliminated: the information about
 /// `parameters`, symmetric; none where rounding forbids. A gap whose touch is false tells nothing.
 pub fn information(gaps: &[NoisyGap], parameters: &Parameters, noise: &Noise) -> Option<DMatrix<f64>> {
@@ -657,7 +412,7 @@ pub fn likeness(compared: Compared, touches: &TouchSet, gaps: &[NoisyGap], noise
                 gaps.iter().map(|gap| gap.normals[0] * deviations(gap)).sum::<Vector3<f64>>() / 3f64.sqrt()
             }
         };
-        let is_honest = |gap: &NoisyGap| noise.honest(gap, gap.gap, noise.variance(gap)) > 0.5;
+        let is_honest = |gap: &NoisyGap| noise.honest(gap.width, gap.gap, noise.variance(gap)) > 0.5;
         let closed: Vec<(&NoisyGap, Vector3<f64>)> = own
             .chunks(compared.gaps_a_touch())
             .filter(|of_touch| of_touch.iter().all(is_honest))
@@ -746,7 +501,7 @@ mod tests {
     fn honest_touches_are_told_from_false_ones() {
         let noise = Noise { contact: 1e-3, joint: 0.0, receptor: 0.0, false_share: 0.2 };
         let gap = &gaps(&noise, 1, 1)[0];
-        assert!(noise.honest(gap, 1e-3, 1e-6) > 0.99);
-        assert!(noise.honest(gap, 1e-1, 1e-6) < 1e-6);
+        assert!(noise.honest(gap.width, 1e-3, 1e-6) > 0.99);
+        assert!(noise.honest(gap.width, 1e-1, 1e-6) < 1e-6);
     }
 }
