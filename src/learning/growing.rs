@@ -66,6 +66,8 @@ const MOST_GIVEN_UP: usize = 4;
 const DOUBTFUL: f64 = 2.0;
 /// Touches that fix where a limb is on the joints about it.
 const FIXED_BY: usize = 4;
+/// Sizes of parts that starts in noise begin with, each of twice as many touches as the one before.
+const NOISY_SIZES: usize = 4;
 /// Rounds of mending …
 const REPAIRS: usize = 8;
 /// … and where gaps are so wide that there is noise, or little that is right.
@@ -125,15 +127,38 @@ pub struct Nursery<'a> {
 pub enum Evidence<'a> {
     /// The two places of a touch are one point.
     Points {
-        /// What the root mean square of the whitened residuals stays below, …
+        /// What the root mean square of the whitened residuals stays below.
         acceptance: f64,
-        /// … and how far each joint may be misread besides, radians.
-        misread: f64,
+        /// What noise they have besides, where they show it.
+        noise: Option<PointNoise>,
         /// Whether the places are the centres of patches, which have a bias, and not points.
         patches: bool,
     },
     /// The surfaces meet.
     Surfaces(&'a Skin),
+}
+
+/// How much noise points show: it is the points' own or that of joints, and nothing tells which.
+#[derive(Clone, Copy)]
+pub struct PointNoise {
+    /// How many times the deviation that points were given with it is, were it all their own.
+    pub of_points: f64,
+    /// How far each joint is misread, were it all by that, radians.
+    pub of_joints: f64,
+}
+
+impl PointNoise {
+    /// Touches whose points are as inexact under a schema as half of either makes them.
+    fn weighed(&self, touches: &TouchSet, schema: &BodySchema) -> TouchSet {
+        let mut weighed = touches.clone();
+        for touch in weighed.pairs.iter_mut().flat_map(|pair| &mut pair.touches) {
+            let rotation = touch.sides[0].frame(schema).rotation;
+            let spread = touch.spread_by_angles(schema) * (0.5 * self.of_joints.powi(2));
+            touch.ends.iter_mut().for_each(|end| end.covariance *= 1.0 + 0.5 * self.of_points.powi(2));
+            touch.ends[0].covariance += rotation.transpose() * spread * rotation;
+        }
+        weighed
+    }
 }
 
 impl Evidence<'_> {
@@ -159,9 +184,11 @@ impl Evidence<'_> {
     }
 
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
-    /// gives three equations, a gap gives one.
-    fn enough(&self, dof: usize) -> usize {
+    /// gives three equations, a gap gives one. In noise a wrong answer may explain few touches, and how many are few depends on
+    /// the body: starts differ in that.
+    fn enough(&self, dof: usize, start: usize) -> usize {
         match self {
+            Evidence::Points { noise: Some(_), .. } => (8 + 2 * dof) << (start % NOISY_SIZES),
             Evidence::Points { .. } => 8 + 2 * dof,
             Evidence::Surfaces(_) => 12 + 5 * dof,
         }
@@ -252,9 +279,9 @@ impl Nursery<'_> {
     }
 
     /// The noise of points: root mean square of the whitened residuals of the part that is solved first, in units
-    /// of one standard deviation each; parameters take up some of it, which is counted in. And how far each joint is misread where
-    /// it is all by that, radians. No acceptance is asked for, so that a wrong minimum of all initial guesses makes it too large.
-    pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<[f64; 2]> {
+    /// of one standard deviation each; parameters take up some of it, which is counted in. No acceptance is asked for, so that a
+    /// wrong minimum of all initial guesses makes it too large.
+    pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<PointNoise> {
         let touches = self.without(&self.starved());
         let part = self.next_part(&touches, Route::Grown, self.frozen)?;
         let closed = closed(&touches, self.frozen, |joint| part.contains(&joint));
@@ -265,7 +292,7 @@ impl Nursery<'_> {
             (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
         // Misfits are told in units of what is accepted.
         let rms = EXACT * misfit * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt();
-        Some([rms, rms / lever(&closed, &schema)])
+        Some(PointNoise { of_points: rms, of_joints: rms / lever(&closed, &schema) })
     }
 
     /// The joints with too few touches to solve them: each touch closes one gap, or brings a point together.
@@ -410,7 +437,7 @@ impl Nursery<'_> {
         };
         let candidates = || candidates.iter().filter(|part| !part.is_empty());
         let rich = candidates()
-            .filter(|part| touches_of(part) >= self.evidence.enough(dof(part)))
+            .filter(|part| touches_of(part) >= self.evidence.enough(dof(part), self.turn))
             .min_by_key(|part| (dof(part), std::cmp::Reverse(touches_of(part))));
         let Some(rich) = rich else {
             return match self.evidence {
@@ -532,9 +559,8 @@ impl Nursery<'_> {
         iterations: usize,
     ) -> (BodySchema, Misfit) {
         match self.evidence {
-            Evidence::Points { acceptance, misread, .. } => {
+            Evidence::Points { acceptance, .. } => {
                 let (schema, rms) = self.solve(touches, parameters, start, iterations);
-                let acceptance = acceptance.hypot(misread * lever(touches, &schema));
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
@@ -578,6 +604,14 @@ impl Nursery<'_> {
         let model = match (self.evidence, parameters.axis_model) {
             (Evidence::Points { .. }, AxisModel::Unit) => PointsMeet::Shaped,
             _ => PointsMeet::Anyhow,
+        };
+        let weighed;
+        let touches = match self.evidence {
+            Evidence::Points { noise: Some(noise), .. } => {
+                weighed = noise.weighed(touches, &start);
+                &weighed
+            }
+            _ => touches,
         };
         let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, model);
         // Exact points are sharp enough to do without.

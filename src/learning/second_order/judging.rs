@@ -9,7 +9,7 @@ use super::{FEW, MOST_NOISE, OPEN, SecondOrder};
 use crate::learning::Input;
 use crate::learning::annealing::{NARROWEST, gaps, quantile, typical_gap};
 use crate::learning::growing::{Evidence, Start};
-use crate::learning::noise::{Compared, Noise, gaps_of, information, likeness};
+use crate::learning::noise::{Adjusted, Compared, Noise, gaps_of, information, likeness};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps};
 use crate::learning::prediction::{covariance, information_inverse};
@@ -106,7 +106,7 @@ impl SecondOrder {
         let mut noise = Noise::of_gaps(deviation);
         let (mut alike, mut spread) = (0.0, deviation);
         let covariance = if deviation > CERTAIN_NOISE {
-            let gaps = gaps_of(of, fitted, &parameters, schema, &[]);
+            let gaps = gaps_of(of, &Adjusted::none(fitted), &parameters, schema);
             let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
             self.known.prior.add_information(&parameters, &mut prior);
             noise = Noise::estimate(&gaps, &parameters, &prior, None, false);
@@ -122,7 +122,7 @@ impl SecondOrder {
         let mut found = GapTally::new(self.agent.creature().joints().len());
         let mut normalized = Vec::with_capacity(fresh.len());
         let mut tested = 0;
-        let mut gaps = gaps_of(of, fresh, &parameters, schema, &[]).into_iter();
+        let mut gaps = gaps_of(of, &Adjusted::none(fresh), &parameters, schema).into_iter();
         for pair in &fresh.pairs {
             for gap in gaps.by_ref().take(compared.gaps_a_touch() * pair.touches.len()) {
                 let predicted = gap.predicted(&covariance);
@@ -149,12 +149,12 @@ impl SecondOrder {
         let (tolerable, vague) = match is_by_points {
             // Limbs that are all in one place explain points as well as noise does.
             true => (0.0, deviation / (MOST_OF_EXTENT * extent(fitted))),
-            false => (OpenGaps::new(&self.agent, fitted, schema).worst, 0.0),
+            false => (OpenGaps::new(&self.agent, fitted, schema).worst, deviation / MOST_NOISE),
         };
         // The middle of a patch is no point of the limb, and off it by the same wherever it is touched.
         let alike = if is_by_points && self.input == Input::Receptor { 0.0 } else { alike };
         let shrunk = self.shrunk(fitted, schema);
-        let refusals = [misfit, most, alike / ALIKE, tolerable, vague, deviation / MOST_NOISE, shrunk];
+        let refusals = [misfit, most, alike / ALIKE, tolerable, vague, shrunk];
         (refusals.into_iter().fold(0.0, f64::max), deviation)
     }
 }

@@ -13,7 +13,7 @@ mod observing;
 mod searching;
 
 use self::judging::extent;
-use self::searching::{Judged, SearchResult, kept_back};
+use self::searching::{Judged, kept_back};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::learning::growing::{EXACT, Evidence, Start};
@@ -34,7 +34,7 @@ const CONTACT_DEVIATION: f64 = 1e-4;
 /// The share of all touches that limbs which could be placed have at the least where there is noise: of the wrong answers
 /// seen none had more than 0.14, of the right ones of 512 touches most had more than 0.3.
 const FEWEST_TELL: f64 = 0.2;
-/// The most noise of gaps and points that is believed, metres: in more, schemas that are wrong look like noise.
+/// The most noise of gaps that is believed, and of the points of a first part, metres: in more, schemas that are wrong look like noise.
 const MOST_NOISE: f64 = 0.02;
 /// Touches of a limb that lie less about their middle than this share of how far they are from its joint are at one point.
 const ONE_POINT: f64 = 0.05;
@@ -100,9 +100,9 @@ impl SecondOrder {
 
     fn evidence(&self) -> Evidence<'_> {
         match (self.input, self.knowledge) {
-            (Input::Contact, _) => Evidence::Points { acceptance: EXACT, misread: 0.0, patches: false },
+            (Input::Contact, _) => Evidence::Points { acceptance: EXACT, noise: None, patches: false },
             (Input::Receptor, SkinKnowledge::Centres) => {
-                Evidence::Points { acceptance: BIASED, misread: 0.0, patches: true }
+                Evidence::Points { acceptance: BIASED, noise: None, patches: true }
             }
             (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.agent.skin()),
         }
@@ -179,22 +179,9 @@ impl SecondOrder {
             }
             LimbFrames::Limb => self.limb_nursery(&touches, 0).solvable(),
         };
-        let mut initial_guesses = 0;
-        let mut found: Option<Judged> = None;
-        for search in self.searches(&touches, starts) {
-            let SearchResult { best, initial_guesses: tried, settled } =
-                self.search(&search, solvable, [&touches, &borne_out], &fresh);
-            initial_guesses += tried;
-            // Where starts agree on an answer that fresh touches do not bear out, more noise is no excuse.
-            let done = settled || (best.start.accepted && best.known() >= solvable);
-            if found.as_ref().is_none_or(|found| best.more(found)) {
-                found = Some(best);
-            }
-            if done || self.deadline.has_passed() {
-                break;
-            }
-        }
-        self.conclude(found.expect("there is a search"), initial_guesses)
+        let search = self.planned(&touches, starts);
+        let (found, initial_guesses) = self.search(&search, solvable, [&touches, &borne_out], &fresh);
+        self.conclude(found, initial_guesses)
     }
 
     /// Fits what was found to all touches, or says why nothing was.

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{MOST_NOISE, SecondOrder, taken_deviation};
 use crate::deadline::{count, side_by_side, worked};
 use crate::learning::annealing::NARROWEST;
-use crate::learning::growing::{EXACT, Evidence, Nursery, Start, WHOLE_DOF};
+use crate::learning::growing::{Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::TouchSet;
@@ -38,12 +38,12 @@ const TANGLED: f64 = 5e-3;
 const TOUCHES_PER_PAIR: usize = 150;
 /// Whitened residuals above which points are taken to have noise, and a second start must agree.
 const VISIBLE_NOISE: f64 = 0.1;
-/// How many times wider than in the part that is solved first the misses may be elsewhere: a part is solved on
-/// others that are held where noise left them.
+/// Misses of a part in units of the noise that the first part shows, at the most: it is solved on others that are held where noise
+/// left them.
 const NOISE_MARGIN: f64 = 3.0;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
-/// Starts tried with points that have one kind of noise before another is tried.
+/// Starts tried with points that have noise.
 const NOISY_STARTS: usize = 8;
 /// How far apart receptors of a limb are whose touches bear one another out, metres: two patches …
 const SAME_PLACE: f64 = 0.05;
@@ -62,15 +62,6 @@ pub(super) struct StartSearch<'a> {
     pub starts: usize,
 }
 
-/// What a search found.
-pub(super) struct SearchResult {
-    pub best: Judged,
-    /// Random initial guesses used.
-    pub initial_guesses: usize,
-    /// Whether starts agreed on an answer that was not accepted.
-    pub settled: bool,
-}
-
 /// A start and how it did on touches that it was not fitted to.
 pub(super) struct Judged {
     pub start: Start,
@@ -84,11 +75,6 @@ impl Judged {
     /// How many joints it knows, and limbs.
     pub fn known(&self) -> usize {
         self.start.known.iter().chain(&self.start.placed).filter(|&&known| known).count()
-    }
-
-    /// Whether it is the answer rather than that of a search that allowed for less noise.
-    pub fn more(&self, other: &Judged) -> bool {
-        self.start.accepted && (!other.start.accepted || self.known() > other.known())
     }
 
     fn better(&self, other: &Judged) -> bool {
@@ -150,41 +136,39 @@ impl SecondOrder {
         LimbNursery { creature: self.agent.creature(), touches, turn, deadline: self.deadline }
     }
 
-    /// The searches to try one after the other until one finds an answer. There is one, but for points with
-    /// noise of which nobody knows how much it is.
-    pub(super) fn searches(&self, touches: &TouchSet, starts: usize) -> Vec<StartSearch<'_>> {
+    /// How to look for an answer: of points that show noise, of which nobody knows how much it is, in that of a first part.
+    pub(super) fn planned(&self, touches: &TouchSet, starts: usize) -> StartSearch<'_> {
         let evidence = self.evidence();
         if self.input != Input::Contact || self.frames == LimbFrames::Limb {
-            return vec![StartSearch { evidence, noisy: !evidence.exact(), starts }];
+            return StartSearch { evidence, noisy: !evidence.exact(), starts };
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(NOISE_STREAM);
-        let [noise, misread] = self.nursery(evidence, touches, 0).point_noise(&mut rng).unwrap_or([0.0; 2]);
         let most = MOST_NOISE / taken_deviation(touches);
-        if noise <= VISIBLE_NOISE || noise > most {
-            return vec![StartSearch { evidence, noisy: false, starts }];
+        let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng);
+        match noise.filter(|noise| (VISIBLE_NOISE..=most).contains(&noise.of_points)) {
+            None => StartSearch { evidence, noisy: false, starts },
+            Some(noise) => {
+                let evidence =
+                    Evidence::Points { acceptance: NOISE_MARGIN, noise: Some(noise), patches: false };
+                StartSearch { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
+            }
         }
-        // Noise of the points is the same in every part; that of misread joints is the wider the farther off and the more they are.
-        let kinds = [((NOISE_MARGIN * noise).clamp(EXACT, most), 0.0), (EXACT, NOISE_MARGIN * misread)];
-        let search = |(acceptance, misread)| {
-            let evidence = Evidence::Points { acceptance, misread, patches: false };
-            StartSearch { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
-        };
-        kinds.into_iter().map(search).collect()
     }
 
-    /// Makes the starts of a search, as many as it takes.
+    /// Makes the starts of a search, as many as it takes: the best, and how many random initial guesses it took.
     pub(super) fn search(
         &self,
         search: &StartSearch,
         solvable: usize,
         [touches, borne_out]: [&TouchSet; 2],
         fresh: &TouchSet,
-    ) -> SearchResult {
+    ) -> (Judged, usize) {
         let dof = self.agent.creature().dof();
-        let incomplete_starts = match self.frames {
-            LimbFrames::Joint => INCOMPLETE_STARTS,
-            LimbFrames::Limb => INCOMPLETE_LIMB_STARTS,
+        let incomplete_starts = match (self.frames, search.evidence) {
+            (LimbFrames::Limb, _) => INCOMPLETE_LIMB_STARTS,
+            (_, Evidence::Points { noise: Some(_), .. }) => NOISY_STARTS,
+            _ => INCOMPLETE_STARTS,
         };
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -203,7 +187,7 @@ impl SecondOrder {
         };
         // All cores make starts; which one is taken does not depend on how many there are.
         let mut best: Option<Judged> = None;
-        let (mut initial_guesses, mut settled) = (0, false);
+        let mut initial_guesses = 0;
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
         // Starts of a large body are long, and try several initial guesses for each part.
@@ -243,8 +227,7 @@ impl SecondOrder {
                     if points { noises.iter().copied().fold(f64::INFINITY, f64::min) } else { best.noise };
                 let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * least).count();
                 let plausible = CERTAIN_NOISE < least && least < TANGLED;
-                settled = plausible && agreeing >= HOPELESS_STARTS;
-                if settled {
+                if !best.start.accepted && plausible && agreeing >= HOPELESS_STARTS {
                     break 'waves;
                 }
             }
@@ -253,7 +236,7 @@ impl SecondOrder {
         // Noise that no second start finds may be a wrong minimum as well.
         let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
         best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
-        SearchResult { best, initial_guesses, settled }
+        (best, initial_guesses)
     }
 }
 
