@@ -18,10 +18,12 @@ use crate::error::Error;
 use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
-use crate::learning::{Input, Learned, LengthUnit, Verdict, Z95};
+use crate::learning::{Input, Learned, Learner, LengthUnit, SecondOrder, Verdict, Z95};
 use crate::mujoco::Model;
-use crate::senses::RecordedTouch;
-use crate::session::{BABBLING_SHARE, Embodied, LEARNING_SHARE, LearningOptions, ModelSource};
+use crate::senses::{DisturbedSenses, RecordedTouch};
+use crate::session::{
+    BABBLING_SHARE, DisturbanceLevels, Embodied, LEARNING_SHARE, LearningOptions, ModelSource,
+};
 use crate::simulation::MotionName;
 
 pub(super) const STUDY: Study = Study {
@@ -30,7 +32,7 @@ pub(super) const STUDY: Study = Study {
     of: Studied::Generated,
     touches: Some(1000),
     seconds: Some(50.0),
-    cases: || WAYS.map(String::from).into(),
+    cases: || WAYS.iter().map(|way| way.name.to_string()).collect(),
     columns: &[
         Column::new("way", &[By::Case]),
         Column::new("family", &[By::Part]),
@@ -62,6 +64,7 @@ pub(super) const STUDY: Study = Study {
         Column::new("heldout_percent", &[By::Median]),
         Column::new("right", &[]),
         Column::new("pairs", &[By::Sum]),
+        Column::new("determined", &[By::Sum]),
         Column::new("claims", &[By::Sum]),
         Column::new("wrong", &[By::Sum]),
         Column::new("worst_mm", &[]),
@@ -77,6 +80,8 @@ pub(super) const STUDY: Study = Study {
         "A claim is that the skin of two limbs is located in each other's frames. It is wrong if held-out skin is off by more \
          than 0.1 mm (on bodies much smaller or larger than a person, by more than its share) and 5 of its own standard \
          deviations.",
+        "determined: pairs of limbs whose skin the same touches locate in each other's frames, as they would be accounted for at the \
+         true schema.",
         "default: as `bodyschema babble BODY` learns, by stages and growth if that suits the body; the others learn from the \
          same touches at random. late: the work that a way may take was spent before all was done. The column command of the \
          table makes a row's session again.",
@@ -84,8 +89,44 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-/// The ways to learn: as the program does by default, and each learner from touches at random.
-const WAYS: [&str; 4] = ["default", "lm", "gradient", "hersch"];
+/// A way to learn.
+struct Way {
+    name: &'static str,
+    learner: &'static dyn LearnerKind,
+    input: Input,
+    /// What is wrong with the senses, on a body of a person's size; lengths are in proportion.
+    disturbances: DisturbanceLevels,
+}
+
+const EXACT: DisturbanceLevels =
+    DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
+const LM: Way = Way { name: "lm", learner: &LevenbergMarquardt, input: Input::Receptor, disturbances: EXACT };
+const BY_CONTACT: Way = Way { input: Input::Contact, ..LM };
+
+/// The ways to learn: as the program does by default, and each learner from touches at random; `lm` also by contact points, and
+/// with senses that are wrong.
+const WAYS: [Way; 12] = [
+    Way { name: "default", learner: &PartByPart, ..LM },
+    LM,
+    Way { name: "gradient", learner: &RepairedHersch, ..LM },
+    Way { name: "hersch", learner: &HerschsRule, ..LM },
+    Way { name: "angles to 0.1°", disturbances: DisturbanceLevels { joint_noise: 0.1, ..EXACT }, ..LM },
+    Way { name: "angles to 1°", disturbances: DisturbanceLevels { joint_noise: 1.0, ..EXACT }, ..LM },
+    Way { name: "receptors to 3 mm", disturbances: DisturbanceLevels { receptor_noise: 3.0, ..EXACT }, ..LM },
+    Way { name: "5 % false", disturbances: DisturbanceLevels { false_touches: 0.05, ..EXACT }, ..LM },
+    Way { name: "20 % false", disturbances: DisturbanceLevels { false_touches: 0.2, ..EXACT }, ..LM },
+    Way { name: "contact", ..BY_CONTACT },
+    Way {
+        name: "contact, angles to 0.1°",
+        disturbances: DisturbanceLevels { joint_noise: 0.1, ..EXACT },
+        ..BY_CONTACT
+    },
+    Way {
+        name: "contact, angles to 1°",
+        disturbances: DisturbanceLevels { joint_noise: 1.0, ..EXACT },
+        ..BY_CONTACT
+    },
+];
 /// Touches by stages, which end when all is known, at most, in units of those at random.
 const STAGED: usize = 4;
 /// Skin that is off by no more than this share of the typical limb's length is right: a task would hardly notice.
@@ -125,30 +166,31 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let embodied = survived(|| embody(&body));
     // Ways share the touches at random, if one needs them.
     let random = OnceCell::new();
-    let row = |way: &String| {
+    let row = |way: &Way| {
         let found = embodied.as_ref().map_err(Clone::clone).and_then(|own| {
-            let learner: &'static dyn LearnerKind = match way.as_str() {
-                "default" if Growth::suits(own.creature()) => {
+            if way.learner.name() == PartByPart.name() {
+                if Growth::suits(own.creature()) {
                     let most = trial.touches.saturating_mul(STAGED);
                     let staged = survived(|| babble(own, PolicyName::Stages, most, trial))?;
-                    return learn(own, &staged, &PartByPart, &body, trial);
+                    return learn(own, &staged, way, &body, trial);
                 }
-                "gradient" => &RepairedHersch,
-                "hersch" => &HerschsRule,
-                _ => &LevenbergMarquardt,
-            };
+            }
             let at_random =
                 random.get_or_init(|| survived(|| babble(own, PolicyName::Random, trial.touches, trial)));
-            learn(own, at_random.as_ref().map_err(Clone::clone)?, learner, &body, trial)
+            let at_random = at_random.as_ref().map_err(Clone::clone)?;
+            match way.learner.name() == PartByPart.name() {
+                true => learn(own, at_random, &LM, &body, trial),
+                false => learn(own, at_random, way, &body, trial),
+            }
         });
         let mut row = found.unwrap_or_else(|Failed { outcome, reason, work }| {
             json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
-                   "whole": false, "pairs": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
+                   "whole": false, "pairs": 0, "determined": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
         });
-        describe(&mut row, way, &body);
+        describe(&mut row, way.name, &body);
         row
     };
-    Ok(trial.cases.iter().map(row).collect())
+    Ok(WAYS.iter().filter(|way| trial.asks(way.name)).map(row).collect())
 }
 
 /// Adds what was drawn and how it went in counts.
@@ -213,7 +255,7 @@ fn babble(embodied: &Embodied, policy: PolicyName, most: usize, trial: &Trial) -
 fn learn(
     embodied: &Embodied,
     babbled: &Babbled,
-    kind: &'static dyn LearnerKind,
+    way: &Way,
     body: &GeneratedBody,
     trial: &Trial,
 ) -> Result<Row, Failed> {
@@ -221,18 +263,43 @@ fn learn(
         // Ways share touches, and each has the work that these leave.
         let by = Deadline::after_work_of(LEARNING_SHARE * trial.seconds);
         count(babbled.work);
-        let how = LearningOptions { learner: kind, deadline: by, ..LearningOptions::default() };
-        let mut learner = how.learner_from(embodied.agent(), babbled.grown.as_ref(), trial.seed);
+        let unit = LengthUnit::of(embodied.agent()).metres();
+        let receptor_noise = unit * way.disturbances.receptor_noise;
+        let disturbances = DisturbanceLevels { receptor_noise, ..way.disturbances };
+        let how = LearningOptions {
+            learner: way.learner,
+            input: Some(way.input),
+            disturbances,
+            deadline: by,
+            ..LearningOptions::default()
+        };
+        let felt =
+            disturbances.disturbances().felt(embodied.agent(), &babbled.touches, way.input, trial.seed);
+        let mut learner = how.learner_from(&felt.agent, babbled.grown.as_ref(), trial.seed);
         learner.end_at(by);
-        babbled.touches.iter().for_each(|touch| learner.touch(touch));
+        felt.touches.iter().for_each(|touch| learner.touch(touch));
         let (learned, work) = apart(|| learner.learn());
         let mut row = measured(embodied, learned, body);
-        row["policy"] = json!(format!("{}, {}", babbled.policy, kind.name()));
+        row["determined"] = json!(determined(embodied, &felt, way.input));
+        row["policy"] = json!(format!("{}, {}", babbled.policy, way.learner.name()));
         row["touches"] = json!(babbled.touches.len());
         row["late"] = json!(work.ended || babbled.work.ended);
         row["work_s"] = json!(work.seconds() + babbled.work.seconds());
         Ok(row)
     })
+}
+
+/// How many pairs of limbs with skin touches locate in each other's frames by an account of them at the true schema.
+fn determined(embodied: &Embodied, felt: &DisturbedSenses, input: Input) -> usize {
+    let unit = LengthUnit::of(&felt.agent);
+    let to_unit = 1.0 / unit.metres();
+    let mut learner = SecondOrder::new(&unit.agent(&felt.agent), input, 0);
+    felt.touches.iter().for_each(|touch| learner.touch(&touch.scaled(embodied.creature(), to_unit)));
+    let (account, _) = learner.account(&embodied.truth().schema.scaled(to_unit));
+    let limbs = embodied.agent().limbs_with_skin();
+    let is_claimed =
+        |(i, a): (usize, &usize)| limbs[i + 1..].iter().filter(|&&b| account.claims(*a, b)).count();
+    limbs.iter().enumerate().map(is_claimed).sum()
 }
 
 /// Holds what was learned against the truth.
