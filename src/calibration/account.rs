@@ -1,7 +1,9 @@
 //! What a calibration found, what it left open, and how well both stand.
 
-use super::estimate::{Estimator, Fit, SeenTouch};
-use super::judgement::{FEWEST_HELD_OUT, Judgement, Misses, Objection};
+use super::estimate::{Estimator, Fit};
+use super::held_out::{FEWEST_HELD_OUT, Judgement, Misses, mean};
+use super::noise::Seen;
+use super::objections::Objection;
 use super::robot::{Quantity, Robot};
 use super::touch::Touch;
 
@@ -23,7 +25,7 @@ pub struct Calibration<'a> {
 
 impl Calibration<'_> {
     /// The touches as they are seen at nominal values.
-    pub fn before(&self) -> Vec<SeenTouch> {
+    pub fn before(&self) -> Vec<Seen> {
         self.estimator.seen(&self.robot.nominal(), &self.fit.noise)
     }
 
@@ -32,16 +34,10 @@ impl Calibration<'_> {
         self.robot.quantities.iter().enumerate().filter(|(_, quantity)| quantity.is_open())
     }
 
-    /// The places of a quantity's parameters among the unknowns.
-    fn places(&self, q: usize) -> impl Iterator<Item = usize> {
-        let size = self.robot.quantities[q].nominal.size();
-        (0..size).filter_map(move |part| self.estimator.unknowns.place(q, part))
-    }
-
     /// Whether any touch depends on a quantity, alone or with others.
     pub fn is_touched(&self, q: usize) -> bool {
         self.estimator.open_signs().contains(&q)
-            || self.places(q).any(|place| !self.fit.told.ties.contains(&vec![place]))
+            || self.estimator.unknowns.places(q).any(|place| !self.fit.told.ties.contains(&vec![place]))
     }
 
     /// The standard deviations of a quantity's parameters, infinite where nothing determines them.
@@ -49,29 +45,39 @@ impl Calibration<'_> {
         if self.estimator.open_signs().contains(&q) {
             return vec![if self.fit.untold_signs.contains(&q) { f64::INFINITY } else { 0.0 }];
         }
-        self.places(q).map(|place| self.fit.told.deviation(place)).collect()
+        self.estimator.unknowns.places(q).map(|place| self.fit.told.deviation(place)).collect()
     }
 
     /// What is unobservable or confounded, in sentences.
     pub fn untold(&self) -> Vec<String> {
-        let told = self.fit.told.untold(self.robot, &self.estimator.unknowns);
-        let (alone, together): (Vec<_>, Vec<_>) =
-            told.into_iter().partition(|untold| untold.names.len() == 1);
-        let signs = self.fit.untold_signs.iter().map(|sign| self.robot.quantities[*sign].name.clone());
-        let names: Vec<String> = alone.into_iter().flat_map(|untold| untold.names).chain(signs).collect();
-        let alone = (!names.is_empty()).then(|| {
-            format!("not determined by these touches, and left at the maker's value: {}", names.join(", "))
-        });
-        together.iter().map(ToString::to_string).chain(alone).collect()
+        let (mut alone, mut sentences) = (Vec::new(), Vec::new());
+        for untold in self.fit.told.untold(self.robot, &self.estimator.unknowns) {
+            match untold.names.as_slice() {
+                [most @ .., last] if !most.is_empty() => {
+                    let ways = match untold.ways {
+                        1 => String::new(),
+                        ways => format!(" ({ways} ways to change unfelt)"),
+                    };
+                    let most = most.join(", ");
+                    sentences.push(format!("{most} and {last} cannot be told apart by these touches{ways}"));
+                }
+                names => alone.extend_from_slice(names),
+            }
+        }
+        alone.extend(self.fit.untold_signs.iter().map(|sign| self.robot.quantities[*sign].name.clone()));
+        if !alone.is_empty() {
+            let alone = alone.join(", ");
+            sentences
+                .push(format!("not determined by these touches, and left at the maker's value: {alone}"));
+        }
+        sentences
     }
 
     /// Parameters that are determined, by their names and places among the unknowns.
     pub fn told(&self) -> Vec<(String, usize)> {
-        let parameters = self.estimator.unknowns.parameters.iter().enumerate();
-        parameters
-            .filter(|(place, _)| self.fit.told.is_told(*place))
-            .map(|(place, (q, part))| (self.robot.quantities[*q].component_name(*part), place))
-            .collect()
+        let unknowns = &self.estimator.unknowns;
+        let told = (0..unknowns.len()).filter(|place| self.fit.told.is_told(*place));
+        told.map(|place| (unknowns.name(self.robot, place), place)).collect()
     }
 
     /// Pairs of parameters and their correlation, the greatest first; those of `least` or more.
@@ -105,16 +111,14 @@ impl Calibration<'_> {
         let of_all = [("before", Misses::of(&self.before())), ("after", Misses::of(&self.fit.seen))];
         let mut misses = of_all.map(|(name, misses)| (name.to_string(), misses)).to_vec();
         if self.fit.noise.false_share > 0.0 {
-            misses.push(("after, without false ones".into(), Misses::of(&self.fit.honest())));
+            misses.push(("after, without false ones".into(), Misses::of(self.fit.honest())));
         }
-        if let Some(first) = self.judged.first() {
-            let parts =
-                if self.judged.len() > 1 { format!("{} × ", self.judged.len()) } else { String::new() };
-            let mean = |of: fn(&Judgement) -> Misses| Misses::mean(self.judged, of);
-            for (what, mean) in
-                [("before", mean(|judged| judged.before)), ("after", mean(|judged| judged.after))]
-            {
-                misses.push((format!("{what}, {parts}{} held out", first.touches), mean));
+        if let [first, others @ ..] = self.judged {
+            let parts = if others.is_empty() { String::new() } else { format!("{} × ", self.judged.len()) };
+            let before = Misses::mean(self.judged.iter().map(|judged| judged.before));
+            let after = Misses::mean(self.judged.iter().map(|judged| judged.after));
+            for (when, misses_then) in [("before", before), ("after", after)] {
+                misses.push((format!("{when}, {parts}{} held out", first.touches), misses_then));
             }
         }
         misses
@@ -122,18 +126,19 @@ impl Calibration<'_> {
 
     /// How many of the held-out touches are where the deviations say, in a sentence.
     pub fn held_out(&self) -> Option<String> {
-        let count = (!self.judged.is_empty()).then_some(self.judged.len() as f64)?;
         let rows: usize = self.judged.iter().map(|judged| judged.touches).sum();
+        if self.judged.is_empty() {
+            return None;
+        }
         if rows < FEWEST_HELD_OUT {
             return Some(format!(
                 "too few held-out rows to check an interval that should hold 95 %: {rows}, at least {FEWEST_HELD_OUT}"
             ));
         }
-        let mean = |of: fn(&Judgement) -> f64| self.judged.iter().map(of).sum::<f64>() / count;
         Some(format!(
             "{:.1} % of what was held out is within the interval that should hold 95 % ({:.3} mm wide on average)",
-            100.0 * mean(|judged| judged.within),
-            1e3 * mean(|judged| judged.interval)
+            100.0 * mean(self.judged.iter().map(|judged| judged.within)),
+            1e3 * mean(self.judged.iter().map(|judged| judged.interval))
         ))
     }
 }

@@ -11,15 +11,18 @@
 //! unknowns, whatever the noise is; from it the half of `ln N` is taken for each column (Schwarz, "Estimating the dimension of a
 //! model", 1978). What stands out is fitted for itself.
 
+use std::collections::{BTreeSet, HashMap};
+use std::mem::discriminant;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 use super::estimate::{Estimator, Fit};
-use super::noise::{DeadEncoder, Seen, along};
+use super::noise::{Noise, Seen};
 use super::problem::add_to;
-use super::robot::{Element, Knowledge, Quantity, Robot, Value};
+use super::robot::{DofQuantities, Element, Knowledge, Quantity, Robot, Value};
+use super::told::Told;
 use super::touch::{Feature, Touch};
-use super::unknowns::Unknowns;
 use crate::creature::DofKind;
 use crate::learning::least_squares::Linearization;
 
@@ -61,7 +64,7 @@ pub enum Cause {
     Dead(usize),
     /// What a degree of freedom's encoder reads is no straight line of the angle.
     Curved(usize),
-    /// A quantity changed in the course of the log, at this line.
+    /// A quantity changed in the course of the log, at this touch.
     Slipped(usize, usize),
     /// A table of Denavit and Hartenberg's numbers is of the other convention.
     Convention,
@@ -74,6 +77,19 @@ impl Cause {
             Cause::Curved(_) => false,
             Cause::Slipped(q, _) => mount_of(robot, q).is_some(),
             _ => true,
+        }
+    }
+
+    /// The degree of freedom whose encoder it is of.
+    fn dof(self, robot: &Robot) -> Option<usize> {
+        match self {
+            Cause::Quantity(q) | Cause::Slipped(q, _) => {
+                let own =
+                    |(_, own): &(usize, DofQuantities)| [own.gain, own.offset, own.compliance].contains(&q);
+                robot.encoders().find(own).map(|(dof, _)| dof)
+            }
+            Cause::Curved(dof) | Cause::Dead(dof) | Cause::Reversed(dof) => Some(dof),
+            Cause::Convention => None,
         }
     }
 }
@@ -97,388 +113,316 @@ pub struct Explanation {
 }
 
 impl Explanation {
+    /// Of a cause that takes some of the squares of what is left by so many numbers.
+    fn linear(cause: Cause, share: f64, columns: usize, [equations, spare]: [f64; 2]) -> Option<Explanation> {
+        let (share, spare) = (share.clamp(0.0, 1.0 - 1e-12), spare - columns as f64);
+        let evidence = -0.5 * spare * (1.0 - share).ln() - 0.5 * columns as f64 * equations.max(2.0).ln();
+        (columns > 0 && spare > 1.0).then_some(Explanation { cause, evidence, share })
+    }
+
+    /// Of a cause that is to be fitted whatever a linear look says.
+    fn unseen(cause: Cause) -> Explanation {
+        Explanation { cause, evidence: 0.0, share: 0.0 }
+    }
+
     /// Whether it is to be believed.
     pub fn stands_out(&self) -> bool {
         self.evidence > BELIEVED && self.share > WORTHWHILE
     }
 }
 
-/// Columns of one cause, as places in the normal equations of all.
-struct Candidate {
-    cause: Cause,
-    columns: Vec<usize>,
-}
-
 /// The causes of a fit's residuals that a linear look at them finds, the likeliest first.
 pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
-    let mut open = estimator.robot.clone();
+    let (robot, own) = (estimator.robot, &estimator.unknowns);
+    let mut open = robot.clone();
     open.quantities.iter_mut().for_each(|quantity| quantity.knowledge = [Knowledge::Free; 3]);
-    let all = Unknowns::of(&open);
-    let seen = estimator.seen_by(&open, &all, fit);
-    let (extra, count) =
-        extra_candidates(estimator, &all, seen.iter().flat_map(|(_, _, seen)| &seen.residuals.slopes));
-    let mut total = Linearization::nothing(count);
+    let of_all = estimator.of_robot(&open);
+    let seen = of_all.seen(&fit.values, &fit.noise);
+    let all = &of_all.unknowns;
+    let extra = extra_columns(&of_all, &seen);
+    let mut total = Linearization::nothing(all.len() + extra.len());
     let (mut squares, mut equations) = (0.0, 0.0);
-    let step = seen.len().div_ceil(TOUCHES).max(1);
-    for (touch, _, seen) in seen.iter().step_by(step) {
-        let honesty = fit.noise.honesty(seen);
-        let Some(inverse) = fit.noise.covariance(seen).try_inverse() else { continue };
-        let (weight, value) = (inverse * honesty, seen.residuals.value);
-        let slopes = with_extra((estimator, &all), &extra, *touch, seen);
+    for seen in seen.iter().step_by(seen.len().div_ceil(TOUCHES).max(1)) {
+        let (weight, value) = (fit.noise.weight(seen), seen.residuals.value);
+        let mut slopes = seen.residuals.slopes.clone();
+        let posture = &estimator.touches()[seen.touch].posture;
+        for (k, column) in extra.iter().enumerate() {
+            let factor = column.factor(robot, seen.touch, posture);
+            let of = seen.residuals.slopes.iter().filter(|(at, _)| *at == column.of && factor != 0.0);
+            slopes.extend(of.map(|(_, slope)| (all.len() + k, slope * factor)));
+        }
         add_to(&mut total, &slopes, &value, &weight);
         squares += value.dot(&(weight * value));
-        equations += honesty * seen.residuals.size as f64;
+        equations += fit.noise.honesty(seen) * seen.size();
     }
     total.hessian.fill_upper_triangle_with_lower_triangle();
-    let own = &estimator.unknowns;
-    // The places of what was fitted; what stayed as it was is as if it had been known.
+    // What stayed as it was is as if it had been known.
     let free = |place: &usize| !fit.told.dependent.contains(place) && !fit.told.ties.contains(&vec![*place]);
-    let fitted: Vec<usize> = (0..own.len()).filter(free).collect();
-    let places: Vec<usize> = fitted
-        .iter()
-        .filter_map(|place| {
-            let (q, component) = own.parameters[*place];
-            all.place(q, component)
-        })
-        .collect();
-    let mut information =
-        DMatrix::from_fn(places.len(), places.len(), |i, j| total.hessian[(places[i], places[j])]);
-    let mut slope = DVector::from_fn(places.len(), |i, _| total.gradient[places[i]]);
-    let mut pulled: Vec<(usize, f64)> = Vec::new();
-    for (k, place) in fitted.iter().enumerate() {
-        let Some(deviation) = own.deviation_before(*place) else { continue };
-        let off = own.off(estimator.robot, &fit.values, *place);
-        information[(k, k)] += deviation.powi(-2);
-        slope[k] += off / deviation.powi(2);
-        squares += (off / deviation).powi(2);
-        equations += 1.0;
-        pulled.extend(
-            own.pulled(estimator.robot, &fit.values, &fit.told.covariance, *place)
-                .map(|gain| (own.parameters[*place].0, gain)),
-        );
-    }
-    let left = equations - fitted.len() as f64;
-    let Some(factor) = information.cholesky() else { return Vec::new() };
-    // What the fit would still take off.
-    let rest = factor.solve(&slope);
-    squares -= slope.dot(&rest);
-    let mut found: Vec<Explanation> = Vec::new();
-    let mut add = |cause: Cause, gain: f64, columns: usize| {
-        let nu = left - columns as f64;
-        if columns > 0 && nu > 1.0 {
-            let share = (gain / squares).clamp(0.0, 1.0 - 1e-12);
-            let evidence = -0.5 * nu * (1.0 - share).ln() - 0.5 * columns as f64 * equations.max(2.0).ln();
-            found.push(Explanation { cause, evidence, share });
+    let mut fitted = Vec::new();
+    let mut pulled = Vec::new();
+    for place in (0..own.len()).filter(free) {
+        let (q, component) = own.parameters[place];
+        let Some(at) = all.place(q, component) else { continue };
+        fitted.push(at);
+        if let (Some(deviation), Some(gain)) = (own.deviation_before(place), fit.pulled(estimator, place)) {
+            let off = own.off(robot, &fit.values, place);
+            total.hessian[(at, at)] += deviation.powi(-2);
+            total.gradient[at] += off / deviation.powi(2);
+            squares += (off / deviation).powi(2);
+            equations += 1.0;
+            pulled.push((Cause::Quantity(q), gain));
         }
+    }
+    let Some(factor) = selected(&total.hessian, &fitted, &fitted).cholesky() else { return Vec::new() };
+    let slope =
+        |places: &[usize]| DVector::from_iterator(places.len(), places.iter().map(|i| total.gradient[*i]));
+    // What the fit would still take off.
+    let rest = factor.solve(&slope(&fitted));
+    squares -= slope(&fitted).dot(&rest);
+    // What columns take off the sum of squares, and how many of them say anything of their own.
+    let gain = |columns: &[usize]| {
+        let across = selected(&total.hessian, &fitted, columns);
+        let left = selected(&total.hessian, columns, columns) - across.tr_mul(&factor.solve(&across));
+        let slope = slope(columns) - across.tr_mul(&rest);
+        let own: Vec<usize> = (0..columns.len())
+            .filter(|k| left[(*k, *k)] > OWN * total.hessian[(columns[*k], columns[*k])])
+            .collect();
+        let told = Told::above(&selected(&left, &own, &own), OWN);
+        let slope = DVector::from_iterator(own.len(), own.iter().map(|k| slope[*k]));
+        (slope.dot(&(&told.covariance * &slope)), own.len() - told.dependent.len())
     };
-    for (q, gain) in pulled {
-        add(Cause::Quantity(q), gain, 1);
-    }
-    let known = estimator.robot.quantities.iter().enumerate().map(|(q, quantity)| {
+    let known = (0..robot.quantities.len()).map(|q| {
         let of = |component: &usize| own.place(q, *component).is_none();
-        let columns = (0..quantity.nominal.size()).filter(of).filter_map(|component| all.place(q, component));
-        Candidate { cause: Cause::Quantity(q), columns: columns.collect() }
+        (Cause::Quantity(q), (0..3).filter(of).filter_map(|component| all.place(q, component)).collect())
     });
-    for candidate in known.chain(extra) {
-        let (gain, columns) = gain_of(&total, (&places, &rest), &factor, &candidate.columns);
-        add(candidate.cause, gain, columns);
-    }
-    found.extend(dead_encoders(estimator, fit, &seen));
+    let further = extra.chunk_by(|a, b| a.cause == b.cause).scan(all.len(), |next, columns| {
+        *next += columns.len();
+        Some((columns[0].cause, (*next - columns.len()..*next).collect()))
+    });
+    let left = [equations, equations - fitted.len() as f64];
+    let pulled =
+        pulled.into_iter().filter_map(|(cause, gain)| Explanation::linear(cause, gain / squares, 1, left));
+    let looked = known.chain(further).filter_map(|(cause, columns): (Cause, Vec<usize>)| {
+        let (gain, columns) = gain(&columns);
+        Explanation::linear(cause, gain / squares, columns, left)
+    });
+    let mut found: Vec<Explanation> =
+        pulled.chain(looked).chain(dead_encoders(estimator, fit, &seen)).collect();
     found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     found
 }
 
-/// What columns take off the sum of squares, and how many of them say anything of their own.
-fn gain_of(
-    total: &Linearization,
-    (fitted, rest): (&[usize], &DVector<f64>),
-    factor: &nalgebra::Cholesky<f64, nalgebra::Dyn>,
-    columns: &[usize],
-) -> (f64, usize) {
-    let across = DMatrix::from_fn(fitted.len(), columns.len(), |i, j| total.hessian[(fitted[i], columns[j])]);
-    let solved = factor.solve(&across);
-    let mut left =
-        DMatrix::from_fn(columns.len(), columns.len(), |i, j| total.hessian[(columns[i], columns[j])]);
-    let whole = left.diagonal();
-    left -= across.tr_mul(&solved);
-    let mut slope = DVector::from_fn(columns.len(), |i, _| total.gradient[columns[i]]);
-    slope -= across.tr_mul(rest);
-    let (mut gain, mut count) = (0.0, 0);
-    for k in 0..columns.len() {
-        if left[(k, k)] <= OWN * whole[k] || whole[k] == 0.0 {
-            continue;
-        }
-        gain += slope[k].powi(2) / left[(k, k)];
-        count += 1;
-        for i in k + 1..columns.len() {
-            let by = left[(i, k)] / left[(k, k)];
-            slope[i] -= by * slope[k];
-            for j in k + 1..columns.len() {
-                left[(i, j)] -= by * left[(k, j)];
-            }
-        }
-    }
-    (gain, count)
+/// Some rows and columns of a matrix.
+fn selected(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), columns.len(), |i, j| matrix[(rows[i], columns[j])])
 }
 
-/// The columns beside those of the robot's parameters, behind them, and how many there are together: curves of encoders, and what
-/// changes in the course of the log of encoders and of what is mounted.
-fn extra_candidates<'a>(
-    estimator: &Estimator,
-    all: &Unknowns,
-    slopes: impl Iterator<Item = &'a (usize, Vector3<f64>)>,
-) -> (Vec<Candidate>, usize) {
-    let robot = estimator.robot;
-    let mut candidates = Vec::new();
-    let mut next = all.len();
-    let mut add = |cause: Cause, columns: usize| {
-        candidates.push(Candidate { cause, columns: (next..next + columns).collect() });
-        next += columns;
-    };
-    for (dof, about) in robot.dofs.iter().enumerate() {
-        if about.kind == DofKind::Hinge {
-            add(Cause::Curved(dof), 2);
+/// A column beside those of the robot's parameters: that of one of them, by a factor that differs from touch to touch.
+struct Column {
+    cause: Cause,
+    /// The place of the parameter.
+    of: usize,
+    /// Which of its cause's columns.
+    part: usize,
+}
+
+impl Column {
+    fn factor(&self, robot: &Robot, touch: usize, posture: &[f64]) -> f64 {
+        match self.cause {
+            Cause::Curved(dof) => {
+                let (sine, cosine) = posture[robot.dofs[dof].coordinate].sin_cos();
+                [sine, cosine][self.part]
+            }
+            Cause::Slipped(_, from) if touch < from => 0.0,
+            _ => 1.0,
         }
     }
-    let felt: std::collections::BTreeSet<usize> = slopes.map(|(place, _)| all.parameters[*place].0).collect();
-    let offsets = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.offset));
-    let at_rest = robot
-        .links
-        .iter()
-        .filter(|link| !link.elements.iter().any(|element| matches!(element, Element::Dof(_))));
+}
+
+/// Curves of encoders, and what changes in the course of the log of encoders and of what is mounted.
+fn extra_columns(of_all: &Estimator, seen: &[Seen]) -> Vec<Column> {
+    let (robot, all, lines) = (of_all.robot, &of_all.unknowns, of_all.touches().len());
+    let mut columns = Vec::new();
+    for (dof, q) in robot.encoders().filter(|(dof, _)| robot.dofs[*dof].kind == DofKind::Hinge) {
+        let of = all.places(q.offset).next().unwrap_or_default();
+        columns.extend([0, 1].map(|part| Column { cause: Cause::Curved(dof), of, part }));
+    }
+    let slopes = seen.iter().flat_map(|seen| &seen.residuals.slopes);
+    let felt: BTreeSet<usize> = slopes.map(|(place, _)| all.parameters[*place].0).collect();
+    let offsets = robot.encoders().map(|(_, q)| q.offset);
+    let moves = |element: &Element| matches!(element, Element::Dof(_));
+    let at_rest = robot.links.iter().filter(|link| !link.elements.iter().any(moves));
     let mounts = at_rest.flat_map(|link| &link.elements).filter_map(|element| match element {
         Element::Shift(q) | Element::Turn(q) => Some(*q),
         _ => None,
     });
-    let lines = estimator.touches().len();
     for q in offsets.chain(mounts).filter(|q| felt.contains(q)) {
-        for part in 1..PARTS {
-            add(Cause::Slipped(q, part * lines / PARTS), robot.quantities[q].nominal.size());
+        for from in (1..PARTS).map(|part| part * lines / PARTS) {
+            let of = all.places(q).enumerate();
+            columns.extend(of.map(|(part, of)| Column { cause: Cause::Slipped(q, from), of, part }));
         }
     }
-    (candidates, next)
-}
-
-/// The slopes of a touch by all columns.
-fn with_extra(
-    (estimator, all): (&Estimator, &Unknowns),
-    extra: &[Candidate],
-    touch: usize,
-    seen: &Seen,
-) -> Vec<(usize, Vector3<f64>)> {
-    let mut slopes = seen.residuals.slopes.clone();
-    let posture = &estimator.touches()[touch].posture;
-    for Candidate { cause, columns } in extra {
-        match *cause {
-            Cause::Curved(dof) => {
-                let slope = along(seen, dof);
-                let (sine, cosine) = posture[estimator.robot.dofs[dof].coordinate].sin_cos();
-                if slope != Vector3::zeros() {
-                    slopes.extend([(columns[0], slope * sine), (columns[1], slope * cosine)]);
-                }
-            }
-            Cause::Slipped(q, from) if touch >= from => {
-                for (component, column) in columns.iter().enumerate() {
-                    let of = |(place, _): &&(usize, Vector3<f64>)| Some(*place) == all.place(q, component);
-                    slopes
-                        .extend(seen.residuals.slopes.iter().filter(of).map(|(_, slope)| (*column, *slope)));
-                }
-            }
-            _ => {}
-        }
-    }
-    slopes
+    columns
 }
 
 /// Encoders along whose joints' motion much more is left than elsewhere, and what a variance of their own would explain.
-fn dead_encoders(estimator: &Estimator, fit: &Fit, seen: &[super::SeenTouch]) -> Vec<Explanation> {
-    let robot = estimator.robot;
-    let equations: f64 = seen.iter().map(|(_, _, seen)| seen.residuals.size as f64).sum();
-    let one = |(dof, about): (usize, &super::robot::RobotDof)| {
-        about.quantities?;
-        let of_touch = |(touch, _, seen): &super::SeenTouch| {
-            let slope = along(seen, dof);
-            let weighed = fit.noise.covariance(seen).try_inverse()? * slope * fit.noise.honesty(seen);
-            let read = estimator.touches()[*touch].posture[about.coordinate];
+fn dead_encoders(estimator: &Estimator, fit: &Fit, seen: &[Seen]) -> Vec<Explanation> {
+    let equations: f64 = seen.iter().map(Seen::size).sum();
+    let still = still_encoders(estimator, fit);
+    let one = |(dof, _)| {
+        let of_touch = |seen: &Seen| {
+            let slope = seen.along(dof);
+            let weighed = fit.noise.weight(seen) * slope;
             (slope != Vector3::zeros())
-                .then(|| (weighed.dot(&slope), weighed.dot(&seen.residuals.value).powi(2), read))
+                .then(|| (weighed.dot(&slope), weighed.dot(&seen.residuals.value).powi(2)))
         };
-        let found: Vec<(f64, f64, f64)> = seen.iter().filter_map(of_touch).collect();
-        let (least, most) =
-            found.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (_, _, read)| {
-                (least.min(*read), most.max(*read))
-            });
-        let beyond: f64 = found.iter().map(|(expected, square, _)| square - expected).sum();
-        let deviation = (2.0 * found.iter().map(|(expected, ..)| expected * expected).sum::<f64>()).sqrt();
+        let found: Vec<(f64, f64)> = seen.iter().filter_map(of_touch).collect();
+        let beyond: f64 = found.iter().map(|(expected, square)| square - expected).sum();
+        let deviation = (2.0 * found.iter().map(|(expected, _)| expected * expected).sum::<f64>()).sqrt();
         let astray = beyond / deviation.max(f64::MIN_POSITIVE);
-        let bound = if most - least < STILL { ASTRAY_AND_STILL } else { ASTRAY };
+        let bound = if still.contains(&dof) { ASTRAY_AND_STILL } else { ASTRAY };
         // As evidence that of a normal deviate; the fit for itself says what it is worth.
-        let share = beyond / equations.max(1.0);
+        let (evidence, share) = (0.5 * astray * astray, beyond / equations.max(1.0));
         (found.len() > 1 && astray > bound).then_some(Explanation {
             cause: Cause::Dead(dof),
-            evidence: 0.5 * astray * astray,
+            evidence,
             share,
         })
     };
-    robot.dofs.iter().enumerate().filter_map(one).collect()
+    estimator.robot.encoders().filter_map(one).collect()
 }
 
 /// Degrees of freedom between what touched whose encoders read the same all the time.
 pub fn still_encoders(estimator: &Estimator, fit: &Fit) -> Vec<usize> {
     let robot = estimator.robot;
     let is_still = |dof: &usize| {
-        let felt = fit.seen.iter().filter(|(_, _, seen)| along(seen, *dof) != Vector3::zeros());
-        let read: Vec<f64> = felt
-            .map(|(touch, ..)| estimator.touches()[*touch].posture[robot.dofs[*dof].coordinate])
-            .collect();
+        let felt = fit.seen.iter().filter(|seen| seen.along(*dof) != Vector3::zeros());
+        let read: Vec<f64> =
+            felt.map(|seen| estimator.touches()[seen.touch].posture[robot.dofs[*dof].coordinate]).collect();
         read.len() > 1 && read.iter().all(|x| (x - read[0]).abs() < STILL)
     };
-    (0..robot.dofs.len()).filter(|dof| robot.dofs[*dof].quantities.is_some()).filter(is_still).collect()
+    robot.encoders().map(|(dof, _)| dof).filter(is_still).collect()
 }
 
-/// The explanation that is the likeliest when each is fitted for itself; `afar` where what is left is no small pattern.
+/// The explanation that is the likeliest when each is fitted for itself, beside that of encoders that are still; `afar` where what is
+/// left is no small pattern.
 pub fn best_explanation(
     estimator: &Estimator,
     fit: &Fit,
     found: &[Explanation],
+    still: &[usize],
     afar: bool,
 ) -> Option<Explanation> {
     let robot = estimator.robot;
     let most = if afar { FITTED_FROM_AFAR } else { FITTED };
-    let kinds: [fn(&Cause) -> bool; 4] = [
-        |cause| matches!(cause, Cause::Quantity(_)),
-        |cause| matches!(cause, Cause::Dead(_)),
-        |cause| matches!(cause, Cause::Curved(_)),
-        |cause| matches!(cause, Cause::Slipped(..)),
-    ];
-    let mut chosen: Vec<Explanation> = Vec::new();
-    for of_kind in kinds {
-        chosen.extend(found.iter().filter(|found| of_kind(&found.cause)).take(most).copied());
-    }
-    let other = |cause| Explanation { cause, evidence: 0.0, share: 0.0 };
+    let is_still = |cause: Cause| matches!(cause, Cause::Dead(dof) if still.contains(&dof));
+    let mut of_kind = HashMap::new();
+    let mut chosen: Vec<Explanation> = found.to_vec();
+    chosen.retain(|found| {
+        let count = of_kind.entry(discriminant(&found.cause)).or_insert(0);
+        *count += 1;
+        *count <= most && !is_still(found.cause)
+    });
+    chosen.extend(still.iter().take(most).map(|dof| Explanation::unseen(Cause::Dead(*dof))));
     if afar {
         // An encoder that counts the other way is where its own numbers explain most.
-        let of_dof = |found: &Explanation| match found.cause {
-            Cause::Quantity(q) | Cause::Slipped(q, _) => robot.dofs.iter().position(|dof| {
-                dof.quantities.is_some_and(|own| [own.gain, own.offset, own.compliance].contains(&q))
-            }),
-            Cause::Curved(dof) | Cause::Dead(dof) => Some(dof),
-            Cause::Reversed(_) | Cause::Convention => None,
-        };
         let mut turned: Vec<usize> = Vec::new();
-        for dof in found.iter().filter_map(of_dof).filter(|dof| robot.dofs[*dof].quantities.is_some()) {
-            let known = |own: super::robot::DofQuantities| {
-                robot.quantities[own.sign].knowledge[0] == Knowledge::Known
-            };
+        for dof in found.iter().filter_map(|found| found.cause.dof(robot)) {
+            let known = |own: DofQuantities| !robot.quantities[own.sign].is_open();
             if robot.dofs[dof].quantities.is_some_and(known) && !turned.contains(&dof) {
                 turned.push(dof);
             }
         }
-        chosen.extend(turned.into_iter().take(2 * most).map(|dof| other(Cause::Reversed(dof))));
-        chosen.push(other(Cause::Convention));
+        let turned = turned.into_iter().take(2 * most).map(Cause::Reversed);
+        chosen.extend(turned.chain([Cause::Convention]).map(Explanation::unseen));
     }
     // Few touches show as well which is the likeliest.
     let step = estimator.touches().len().div_ceil(REFITTED).max(1);
     let touches: Vec<Touch> = estimator.touches().iter().step_by(step).cloned().collect();
     let fewer = Estimator::new(robot, &touches, estimator.options());
-    let noise = fewer.noise_at(&fit.values, fit.noise.joint);
-    let of_fewer = (step > 1).then(|| fewer.settled(fit.values.clone(), noise, fit.noise.false_share > 0.0));
-    let (estimator, fit) = match &of_fewer {
-        Some(of_fewer) => (&fewer, of_fewer),
-        None => (estimator, fit),
-    };
-    let still = still_encoders(estimator, fit);
-    chosen.retain(|found| !still.iter().any(|dof| found.cause == Cause::Dead(*dof)));
-    chosen.extend(still.iter().take(most).map(|dof| other(Cause::Dead(*dof))));
-    let equations = fit.redundancy().equations;
-    let fitted = chosen.into_par_iter().filter_map(|found| {
-        let of_fewer = match found.cause {
-            Cause::Slipped(q, from) => Explanation { cause: Cause::Slipped(q, from / step), ..found },
-            _ => found,
-        };
-        let fitted = fitted(estimator, fit, of_fewer)?;
-        let counts = matches!(found.cause, Cause::Dead(dof) if fitted.evidence > 0.0 && still.contains(&dof));
-        let still = if counts { STILL_COUNTS * equations } else { 0.0 };
-        let all = if found.cause.is_fitted(robot) { step as f64 } else { 1.0 };
-        Some(Explanation { cause: found.cause, evidence: all * (fitted.evidence + still), ..fitted })
+    let of_fewer = (step > 1).then(|| {
+        let noise = fewer.noise_at(&fit.values, fit.noise.joint);
+        fewer.settled(fit.values.clone(), noise, fit.noise.false_share > 0.0)
+    });
+    let fit = of_fewer.as_ref().unwrap_or(fit);
+    let equations: f64 = fit.seen.iter().map(Seen::size).sum();
+    let all_of_them = fit.redundancy().equations;
+    let fitted = chosen.into_par_iter().map(|found| {
+        let Some((cost, columns)) = fitted(&fewer, fit, found.cause, step) else { return found };
+        let gain = fit.cost - cost;
+        let share = 1.0 - (-2.0 * gain / equations.max(1.0)).exp();
+        let mut evidence = gain - 0.5 * columns as f64 * equations.max(2.0).ln();
+        if is_still(found.cause) && evidence > 0.0 {
+            evidence += STILL_COUNTS * all_of_them;
+        }
+        Explanation { evidence: step as f64 * evidence, share, ..found }
     });
     fitted.collect::<Vec<_>>().into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
-/// What a cause explains when it is fitted: itself where it has no fit of its own.
-fn fitted(estimator: &Estimator, fit: &Fit, found: Explanation) -> Option<Explanation> {
-    let robot = estimator.robot;
-    let with_false = fit.noise.false_share > 0.0;
-    let again_by = |robot: &Robot, touches: &[Touch], starts: Vec<Vec<Value>>, dead: Option<DeadEncoder>| {
-        let estimator = Estimator::new(robot, touches, estimator.options());
-        let fits = starts.into_iter().map(|start| {
-            let noise = estimator.noise_at(&start, fit.noise.joint);
-            estimator.settled(start, super::Noise { dead, ..noise }, with_false)
-        });
-        fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
-    };
-    let again = |robot: &Robot, starts, dead| again_by(robot, estimator.touches(), starts, dead);
+/// What a fit with a cause costs, and how many numbers it has more; of every how manieth touch the estimator's are. `None` of what is not
+/// fitted for itself.
+fn fitted(estimator: &Estimator, fit: &Fit, cause: Cause, step: usize) -> Option<(f64, usize)> {
+    let mut robot = estimator.robot.clone();
+    let mut touches = estimator.touches().to_vec();
     let nominal = robot.nominal();
-    let (found_fit, columns) = match found.cause {
+    let mut starts = vec![fit.values.clone(), nominal.clone()];
+    let mut dead = None;
+    let columns = match cause {
         Cause::Quantity(q) => {
-            let mut open = robot.clone();
-            open.quantities[q].knowledge = [Knowledge::Free; 3];
-            (again(&open, vec![fit.values.clone(), nominal], None)?, robot.quantities[q].nominal.size())
+            robot.quantities[q].knowledge = [Knowledge::Free; 3];
+            nominal[q].size()
         }
         Cause::Reversed(dof) => {
             let q = robot.dofs[dof].quantities?;
-            let turned = |values: &[Value]| {
-                let mut values = values.to_vec();
+            for values in &mut starts {
                 values[q.sign] = Value::Number(-values[q.sign].number());
                 values[q.offset] = nominal[q.offset];
-                values
-            };
-            let starts = vec![turned(&fit.values), estimator.approach(turned(&nominal)).0];
-            (again(robot, starts, None)?, 1)
+            }
+            let afar = starts.pop()?;
+            starts.push(estimator.approach(afar).0);
+            1
         }
         Cause::Dead(dof) => {
-            let size = if robot.dofs[dof].kind == DofKind::Slide { DEAD_SHIFT } else { DEAD_ANGLE };
-            (again(robot, vec![fit.values.clone(), nominal], Some(DeadEncoder { dof, deviation: size }))?, 1)
+            let deviation = if robot.dofs[dof].kind == DofKind::Slide { DEAD_SHIFT } else { DEAD_ANGLE };
+            dead = Some((dof, deviation));
+            1
         }
         Cause::Convention => {
-            let other = robot.of_other_convention()?;
-            let fit = Estimator::new(&other, estimator.touches(), estimator.options()).fit_from(nominal);
-            (fit, 0)
+            robot = robot.of_other_convention()?;
+            starts[0] = Estimator::new(&robot, &touches, estimator.options()).approach(nominal).0;
+            0
         }
         Cause::Slipped(q, from) => {
-            let Some(link) = mount_of(robot, q) else { return Some(found) };
+            let link = mount_of(&robot, q)?;
             // A second mount, for what touched from there on.
-            let mut slipped = robot.clone();
             let mut values = fit.values.clone();
-            let elements = robot.links[link].elements.iter().map(|element| match *element {
-                Element::Shift(own) | Element::Turn(own) => {
-                    let quantity =
-                        Quantity { knowledge: [Knowledge::Free; 3], ..robot.quantities[own].clone() };
-                    slipped.quantities.push(quantity);
-                    values.push(fit.values[own]);
-                    let at = slipped.quantities.len() - 1;
-                    if matches!(element, Element::Shift(_)) { Element::Shift(at) } else { Element::Turn(at) }
-                }
-                other => other,
-            });
-            let elements = elements.collect();
-            let second = slipped.add_link(String::new(), robot.links[link].parent, elements);
-            let mut touches = estimator.touches().to_vec();
-            for end in touches[from..].iter_mut().flat_map(|touch| &mut touch.ends).flatten() {
-                if let Feature::Point(on, point) = end.feature
-                    && on == link
-                {
-                    end.feature = Feature::Point(second, point);
+            let mut elements = robot.links[link].elements.clone();
+            for element in &mut elements {
+                if let Element::Shift(own) | Element::Turn(own) = element {
+                    let free = Quantity { knowledge: [Knowledge::Free; 3], ..robot.quantities[*own].clone() };
+                    robot.quantities.push(free);
+                    values.push(fit.values[*own]);
+                    *own = values.len() - 1;
                 }
             }
-            let columns = values[robot.quantities.len()..].iter().map(Value::size).sum();
-            (again_by(&slipped, &touches, vec![values], None)?, columns)
+            let second = robot.add_link(String::new(), robot.links[link].parent, elements);
+            for end in touches[from / step..].iter_mut().flat_map(|touch| &mut touch.ends).flatten() {
+                match &mut end.feature {
+                    Feature::Point(on, _) if *on == link => *on = second,
+                    _ => {}
+                }
+            }
+            let columns = values[nominal.len()..].iter().map(Value::size).sum();
+            starts = vec![values];
+            columns
         }
-        Cause::Curved(_) => return Some(found),
+        Cause::Curved(_) => return None,
     };
-    let equations: f64 = fit.seen.iter().map(|(_, _, seen)| seen.residuals.size as f64).sum();
-    let gain = fit.cost - found_fit.cost;
-    let share = 1.0 - (-2.0 * gain / equations.max(1.0)).exp();
-    let evidence = gain - 0.5 * columns as f64 * equations.max(2.0).ln();
-    Some(Explanation { cause: found.cause, evidence, share })
+    let estimator = Estimator::new(&robot, &touches, estimator.options());
+    let costs = starts.into_iter().map(|start| {
+        let noise = Noise { dead, ..estimator.noise_at(&start, fit.noise.joint) };
+        estimator.settled(start, noise, fit.noise.false_share > 0.0).cost
+    });
+    Some((costs.min_by(f64::total_cmp)?, columns))
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! robot (links, quantities by name, what is known of each) + touches ─ problem ─ estimate ─ fit
-//! fit ─ told (deviations, what cannot be told apart) ─ judgement (held-out touches, objections) ─ causes (what would explain)
+//! fit ─ told (deviations, what cannot be told apart) ─ held_out, objections (what speaks against it) ─ causes (what would explain)
 //! robot + touches that could be made ─ plan (those that tell most)
 //! ```
 //!
@@ -12,9 +12,9 @@
 mod account;
 mod causes;
 mod estimate;
-mod judgement;
-pub mod made;
+mod held_out;
 mod noise;
+mod objections;
 mod pairing;
 mod places;
 mod plan;
@@ -28,11 +28,10 @@ mod touch;
 mod unknowns;
 
 pub use account::Calibration;
-pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SeenTouch, SignStarts};
-pub use judgement::{
-    FEWEST_HELD_OUT, Judgement, Misses, Objection, Question, folds, judge, objections, split,
-};
+pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SignStarts};
+pub use held_out::{FEWEST_HELD_OUT, Judgement, Misses, folds, judge, split};
 pub use noise::{Noise, NoiseSource, Seen};
+pub use objections::{Objection, Question, objections};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
 pub use repeats::{SAME_POINT, SAME_POSTURE, drop_alike, drop_repeats};

@@ -11,6 +11,8 @@
 //! deviation is held to those of the others as if it had been seen a few times more at their mean (Smyth, "Linear Models and
 //! Empirical Bayes Methods", 2004): few touches that the parameters can fit exactly would come out as exact.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::touch::Residuals;
@@ -23,6 +25,8 @@ const FEW: usize = 20;
 const AS_OTHERS: f64 = 4.0;
 /// Widths of a distribution by which a false touch may miss at the least.
 const WIDEST: f64 = 10.0;
+/// Steps of the deviations where encoders are noisy, too; without, one such step is exact where all of a group are alike.
+const JOINT_STEPS: usize = 40;
 
 /// How much noise there is.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,17 +39,9 @@ pub struct Noise {
     pub false_share: f64,
     /// Per group how far false touches may miss, metres.
     pub widths: Vec<f64>,
-    /// An encoder that says nothing of its joint, where one is taken to be.
-    pub dead: Option<DeadEncoder>,
-}
-
-/// An encoder that does not follow its joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DeadEncoder {
-    /// The degree of freedom.
-    pub dof: usize,
-    /// How far off the joint is from what is read, a standard deviation, radians or metres.
-    pub deviation: f64,
+    /// An encoder that says nothing of its joint, where one is taken to be: the degree of freedom, and the standard deviation of
+    /// the joint from what is read, radians or metres.
+    pub dead: Option<(usize, f64)>,
 }
 
 /// Which group a residual is of, and what is known of its noise.
@@ -57,13 +53,52 @@ pub struct NoiseSource {
     pub given: f64,
 }
 
-/// A residual at the present values, with what its noise depends on.
+/// A touch at some values: what is left of it, and what its noise depends on.
 #[derive(Clone, Debug)]
 pub struct Seen {
+    /// Which touch.
+    pub touch: usize,
+    /// Which of its ends met.
+    pub ends: [usize; 2],
     /// The residuals.
     pub residuals: Residuals,
     /// Where their noise comes from.
     pub source: NoiseSource,
+}
+
+impl Seen {
+    /// How far apart what touched is put, metres.
+    pub fn apart(&self) -> f64 {
+        self.residuals.value.norm()
+    }
+
+    /// How many equations it is.
+    pub fn size(&self) -> f64 {
+        self.residuals.size as f64
+    }
+
+    /// The residual's derivative by a degree of freedom as it is.
+    pub fn along(&self, dof: usize) -> Vector3<f64> {
+        self.residuals.by_dof.iter().filter(|(other, _)| *other == dof).map(|(_, slope)| slope).sum()
+    }
+
+    /// What the parameters' covariance makes of the residual's: `J Σ Jᵀ`.
+    pub fn taken_up(&self, covariance: &DMatrix<f64>) -> Matrix3<f64> {
+        let slopes = &self.residuals.slopes;
+        let pairs = slopes.iter().flat_map(|a| slopes.iter().map(move |b| (a, b)));
+        pairs.map(|((i, a), (j, b))| a * b.transpose() * covariance[(*i, *j)]).sum()
+    }
+
+    /// `∂r/∂q ∂r/∂qᵀ`.
+    fn by_joints(&self) -> Matrix3<f64> {
+        self.residuals.by_dof.iter().map(|(_, slope)| slope * slope.transpose()).sum()
+    }
+
+    /// The unit of as many residuals as there are.
+    fn ones(&self) -> Matrix3<f64> {
+        let size = self.residuals.size;
+        Matrix3::from_diagonal(&Vector3::from_fn(|i, _| if i < size { 1.0 } else { 0.0 }))
+    }
 }
 
 impl Noise {
@@ -78,37 +113,41 @@ impl Noise {
         }
     }
 
+    /// The variance of a residual without what noisy encoders add, m².
+    pub fn variance(&self, source: NoiseSource) -> f64 {
+        (source.given + self.groups[source.group].powi(2)).max(FINEST * FINEST)
+    }
+
     /// The covariance of a residual, the unit beyond its size.
     pub fn covariance(&self, seen: &Seen) -> Matrix3<f64> {
-        let variance = (seen.source.given + self.groups[seen.source.group].powi(2)).max(FINEST * FINEST);
-        let mut covariance = Matrix3::identity();
-        (0..seen.residuals.size).for_each(|i| covariance[(i, i)] = variance);
+        let ones = seen.ones();
+        let mut covariance = Matrix3::identity() - ones + ones * self.variance(seen.source);
         if self.joint > 0.0 {
-            covariance += joint_part(seen) * self.joint.powi(2);
+            covariance += seen.by_joints() * self.joint.powi(2);
         }
-        if let Some(DeadEncoder { dof, deviation }) = self.dead {
-            let slope = along(seen, dof) * deviation;
+        if let Some((dof, deviation)) = self.dead {
+            let slope = seen.along(dof) * deviation;
             covariance += slope * slope.transpose();
         }
         covariance
     }
 
-    /// `−log p(r)` of a residual if it is honest.
-    pub fn honest_cost(&self, seen: &Seen) -> f64 {
-        let covariance = self.covariance(seen);
-        let Some(factor) = covariance.cholesky() else { return f64::INFINITY };
-        let size = seen.residuals.size as f64;
-        let whitened = factor.solve(&seen.residuals.value).dot(&seen.residuals.value);
-        0.5 * (whitened + size * std::f64::consts::TAU.ln()) + factor.l().diagonal().map(f64::ln).sum()
+    /// How a residual is weighed: by its noise, and by how likely its touch is honest.
+    pub fn weight(&self, seen: &Seen) -> Matrix3<f64> {
+        self.covariance(seen).try_inverse().map_or(Matrix3::zeros(), |inverse| inverse * self.honesty(seen))
     }
 
-    /// `−log p(r)` of a residual if it is false.
-    pub fn false_cost(&self, seen: &Seen) -> f64 {
+    /// `−log p(r)` of a residual if it is honest, and if it is false.
+    fn costs(&self, seen: &Seen) -> [f64; 2] {
         let width = self.widths[seen.source.group];
-        match seen.residuals.size {
+        let of_false = match seen.residuals.size {
             3 => (4.0 / 3.0 * std::f64::consts::PI * width.powi(3)).ln(),
             _ => (2.0 * width).ln(),
-        }
+        };
+        let Some(factor) = self.covariance(seen).cholesky() else { return [f64::INFINITY, of_false] };
+        let value = &seen.residuals.value;
+        let squares = factor.solve(value).dot(value) + seen.size() * std::f64::consts::TAU.ln();
+        [0.5 * squares + factor.l().diagonal().map(f64::ln).sum(), of_false]
     }
 
     /// How likely a touch is honest.
@@ -116,21 +155,20 @@ impl Noise {
         if self.false_share <= 0.0 {
             return 1.0;
         }
-        let odds = (self.false_share / (1.0 - self.false_share)).ln() + self.honest_cost(seen)
-            - self.false_cost(seen);
+        let [honest, of_false] = self.costs(seen);
+        let odds = (self.false_share / (1.0 - self.false_share)).ln() + honest - of_false;
         1.0 / (1.0 + odds.exp())
     }
 
     /// `−log p(r)`, whichever it is.
     pub fn cost(&self, seen: &Seen) -> f64 {
-        let honest = self.honest_cost(seen);
+        let [honest, of_false] = self.costs(seen);
         if self.false_share <= 0.0 {
             return honest;
         }
-        let honest = honest - (1.0 - self.false_share).ln();
-        let least = self.false_cost(seen) - self.false_share.ln();
-        let low = honest.min(least);
-        low - ((low - honest).exp() + (low - least).exp()).ln()
+        let [honest, of_false] = [honest - (1.0 - self.false_share).ln(), of_false - self.false_share.ln()];
+        let low = honest.min(of_false);
+        low - ((low - honest).exp() + (low - of_false).exp()).ln()
     }
 
     /// The noise of greatest restricted likelihood for residuals with what is known after them: `covariance` of the
@@ -144,78 +182,64 @@ impl Noise {
         with_false: bool,
     ) -> Noise {
         let mut noise = self.clone();
-        let taken_up: Vec<Matrix3<f64>> =
-            seen.iter().map(|seen| taken_up(&seen.residuals, covariance)).collect();
-        let rounds = if with_joints { 40 } else { 1 };
-        let honesty: Vec<f64> = seen.iter().map(|seen| self.honesty(seen)).collect();
+        let rows: Vec<(&Seen, Matrix3<f64>, f64)> =
+            seen.iter().map(|seen| (seen, seen.taken_up(covariance), self.honesty(seen))).collect();
         if with_joints && noise.joint == 0.0 {
-            noise.joint = noise.start_of_joints(seen);
+            noise.joint = start_of_joints(seen);
         }
-        for _ in 0..rounds {
+        for _ in 0..if with_joints { JOINT_STEPS } else { 1 } {
             let mut sums = vec![[0.0; 2]; noise.groups.len()];
             // Numbers that are left of each group's once the parameters took up theirs.
             let mut left = vec![0.0; noise.groups.len()];
             let mut joints = [0.0; 2];
-            for ((seen, taken_up), honesty) in seen.iter().zip(&taken_up).zip(&honesty) {
+            for (seen, taken_up, honesty) in &rows {
                 let Some(inverse) = noise.covariance(seen).try_inverse() else { continue };
                 let residual = seen.residuals.value;
-                let squares = residual * residual.transpose() + taken_up;
-                let pulled = inverse * squares * inverse;
-                let mut ones = Matrix3::zeros();
-                (0..seen.residuals.size).for_each(|i| ones[(i, i)] = 1.0);
+                let pulled = inverse * (residual * residual.transpose() + taken_up) * inverse;
                 let add = |sums: &mut [f64; 2], part: &Matrix3<f64>| {
                     sums[0] += honesty * (pulled * part).trace();
                     sums[1] += honesty * (inverse * part).trace();
                 };
-                add(&mut sums[seen.source.group], &ones);
+                let (group, ones) = (seen.source.group, seen.ones());
+                add(&mut sums[group], &ones);
                 let own = ((inverse - inverse * taken_up * inverse) * ones).trace();
-                left[seen.source.group] += honesty * noise.groups[seen.source.group].powi(2) * own;
+                left[group] += honesty * noise.groups[group].powi(2) * own;
                 if with_joints {
-                    add(&mut joints, &joint_part(seen));
+                    add(&mut joints, &seen.by_joints());
                 }
             }
-            // Without encoders' noise one such step is exact where all of a group are alike.
             let share = |[above, below]: [f64; 2]| if below > 0.0 { (above / below).sqrt() } else { 1.0 };
             let others = mean_of_many(&noise.groups, &left);
-            for (deviation, sums) in noise.groups.iter_mut().zip(&mut sums) {
-                if let Some(others) = others {
-                    sums[0] += AS_OTHERS * others.powi(2) / deviation.powi(4);
-                    sums[1] += AS_OTHERS / deviation.powi(2);
-                }
-            }
-            for (deviation, sums) in noise.groups.iter_mut().zip(sums) {
-                let share = share(sums);
-                *deviation *= if with_joints { share.sqrt() } else { share };
-                *deviation = deviation.max(FINEST);
+            for (deviation, [above, below]) in noise.groups.iter_mut().zip(sums) {
+                let by_others = others.map_or([0.0; 2], |others| {
+                    [AS_OTHERS * others.powi(2) / deviation.powi(4), AS_OTHERS / deviation.powi(2)]
+                });
+                let share = share([above + by_others[0], below + by_others[1]]);
+                *deviation = (*deviation * if with_joints { share.sqrt() } else { share }).max(FINEST);
             }
             noise.joint *= share(joints).sqrt();
         }
         if with_false {
-            let most = seen.len() as f64;
-            noise.false_share =
-                (honesty.iter().map(|honesty| 1.0 - honesty).sum::<f64>() / most).clamp(1e-6, 0.6);
+            let of_false = rows.iter().map(|(.., honesty)| 1.0 - honesty).sum::<f64>();
+            noise.false_share = (of_false / rows.len() as f64).clamp(1e-6, 0.6);
         }
         noise
-    }
-
-    /// Encoders' noise that would explain half of the misses.
-    fn start_of_joints(&self, seen: &[Seen]) -> f64 {
-        let (mut squares, mut slopes) = (0.0, 0.0);
-        for seen in seen {
-            squares += seen.residuals.value.norm_squared();
-            slopes += joint_part(seen).trace();
-        }
-        if slopes > 0.0 { (0.5 * squares / slopes).sqrt() } else { 0.0 }
     }
 
     /// Sets how far false touches may miss by what is missed now.
     pub fn widen(&mut self, seen: &[Seen]) {
         for (group, width) in self.widths.iter_mut().enumerate() {
-            let misses = seen.iter().filter(|seen| seen.source.group == group);
-            let most = misses.map(|seen| seen.residuals.value.norm()).fold(0.0, f64::max);
-            *width = most.max(WIDEST * self.groups[group]).max(FINEST);
+            let own = seen.iter().filter(|seen| seen.source.group == group);
+            *width = own.map(Seen::apart).fold(0.0, f64::max).max(WIDEST * self.groups[group]).max(FINEST);
         }
     }
+}
+
+/// Encoders' noise that would explain half of the misses.
+fn start_of_joints(seen: &[Seen]) -> f64 {
+    let squares: f64 = seen.iter().map(|seen| seen.apart().powi(2)).sum();
+    let slopes: f64 = seen.iter().map(|seen| seen.by_joints().trace()).sum();
+    if slopes > 0.0 { (0.5 * squares / slopes).sqrt() } else { 0.0 }
 }
 
 /// The geometric mean of deviations, each counted as often as numbers were left to tell it; none where hardly any were.
@@ -227,61 +251,35 @@ fn mean_of_many(deviations: &[f64], left: &[f64]) -> Option<f64> {
     (all > 1.0).then(|| (logarithms / all).exp())
 }
 
-/// A residual's derivative by a degree of freedom as it is; both sides may move with it.
-pub fn along(seen: &Seen, dof: usize) -> Vector3<f64> {
-    seen.residuals.by_dof.iter().filter(|(other, _)| *other == dof).map(|(_, slope)| slope).sum()
-}
-
-/// `∂r/∂q ∂r/∂qᵀ`.
-fn joint_part(seen: &Seen) -> Matrix3<f64> {
-    // Both sides may move with one joint.
-    let mut slopes: Vec<(usize, Vector3<f64>)> = Vec::with_capacity(seen.residuals.by_dof.len());
-    for (dof, slope) in &seen.residuals.by_dof {
-        match slopes.iter_mut().find(|(other, _)| other == dof) {
-            Some((_, sum)) => *sum += slope,
-            None => slopes.push((*dof, *slope)),
-        }
-    }
-    slopes.iter().map(|(_, slope)| slope * slope.transpose()).sum()
-}
-
-/// What the parameters' covariance makes of a residual's: `J Σ Jᵀ`.
-pub fn taken_up(residuals: &Residuals, covariance: &DMatrix<f64>) -> Matrix3<f64> {
-    let mut sum = Matrix3::zeros();
-    for (i, a) in &residuals.slopes {
-        for (j, b) in &residuals.slopes {
-            sum += a * b.transpose() * covariance[(*i, *j)];
-        }
-    }
-    sum
-}
+/// What a touch is between, for its noise: the two links, and whether points met.
+pub type Kind = (usize, usize, bool);
 
 /// Groups of touches by what they are between. Those of few touches are one, and where all these are few, too, they are taken to
 /// be as noisy as the most frequent ones.
 #[derive(Clone, Debug)]
-pub struct Groups<K> {
-    of_many: Vec<K>,
+pub struct Groups {
+    of_many: Vec<Kind>,
     /// The group of all others.
     rest: usize,
 }
 
-impl<K: Ord + Copy> Groups<K> {
-    /// Of so many touches' keys.
-    pub fn of(keys: &[K]) -> Groups<K> {
-        let mut counts = std::collections::BTreeMap::new();
-        keys.iter().for_each(|key| *counts.entry(*key).or_insert(0) += 1);
-        let most = counts.iter().max_by_key(|(_, count)| **count).map(|(key, _)| *key);
-        let of_many: Vec<K> =
-            counts.iter().filter(|(_, count)| **count >= FEW).map(|(key, _)| *key).collect();
+impl Groups {
+    /// Of so many touches' kinds.
+    pub fn of(kinds: impl Iterator<Item = Kind>) -> Groups {
+        let mut counts = BTreeMap::new();
+        kinds.for_each(|kind| *counts.entry(kind).or_insert(0) += 1);
+        let most = counts.iter().max_by_key(|(_, count)| **count).map(|(kind, _)| *kind);
         let few: usize = counts.values().filter(|count| **count < FEW).sum();
-        let most = of_many.iter().position(|key| Some(*key) == most);
+        let of_many: Vec<Kind> =
+            counts.into_iter().filter(|(_, count)| *count >= FEW).map(|(kind, _)| kind).collect();
+        let most = of_many.iter().position(|kind| Some(*kind) == most);
         let rest = most.filter(|_| few < FEW).unwrap_or(of_many.len());
         Groups { of_many, rest }
     }
 
-    /// The group of a key.
-    pub fn group(&self, key: &K) -> usize {
-        self.of_many.iter().position(|other| other == key).unwrap_or(self.rest)
+    /// The group of a kind.
+    pub fn group(&self, kind: &Kind) -> usize {
+        self.of_many.iter().position(|other| other == kind).unwrap_or(self.rest)
     }
 
     /// How many there are.

@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::estimate::Estimator;
-use super::noise::{Noise, Seen, taken_up};
+use super::noise::{Noise, Seen};
 use super::problem::information;
 use super::robot::Value;
 
@@ -88,8 +88,8 @@ pub fn plan(estimator: &Estimator, values: &[Value], noise: &Noise, count: usize
 
 /// Touches that could be made.
 struct Candidates {
-    /// Which touch, and how it would be seen. Of several contacts of a touch the first speaks for it.
-    touches: Vec<(usize, Seen)>,
+    /// How each would be seen. Of several contacts of a touch the first speaks for it.
+    touches: Vec<Seen>,
     /// `W⁻¹` of each.
     noise: Vec<Matrix3<f64>>,
     /// `M`, the mean of `JᵀJ`.
@@ -108,23 +108,21 @@ struct Known {
 
 impl Candidates {
     fn new(estimator: &Estimator, values: &[Value], noise: &Noise) -> Candidates {
-        let seen = estimator.seen(values, noise);
-        let mut touches: Vec<(usize, Seen)> =
-            seen.into_iter().map(|(touch, _, seen)| (touch, seen)).collect();
-        touches.dedup_by_key(|(touch, _)| *touch);
-        let covariances = touches.iter().map(|(_, seen)| noise.covariance(seen)).collect();
+        let mut touches = estimator.seen(values, noise);
+        touches.dedup_by_key(|seen| seen.touch);
+        let covariances = touches.iter().map(|seen| noise.covariance(seen)).collect();
         let before = before(estimator);
         let share = 1.0 / touches.len() as f64;
         let mean =
-            information(before.nrows(), touches.iter().map(|(_, seen)| (seen, Matrix3::identity() * share)));
+            information(before.nrows(), touches.iter().map(|seen| (seen, Matrix3::identity() * share)));
         Candidates { touches, noise: covariances, mean, before }
     }
 
     /// What a touch takes off the mean square.
     fn gain(&self, known: &Known, k: usize) -> f64 {
-        let residuals = &self.touches[k].1.residuals;
-        let spread = self.noise[k] + taken_up(residuals, &known.covariance);
-        spread.try_inverse().map_or(0.0, |inverse| (inverse * taken_up(residuals, &known.weighted)).trace())
+        let seen = &self.touches[k];
+        let spread = self.noise[k] + seen.taken_up(&known.covariance);
+        spread.try_inverse().map_or(0.0, |inverse| (inverse * seen.taken_up(&known.weighted)).trace())
     }
 
     /// The touch that takes off most besides those that are chosen, and what.
@@ -152,7 +150,7 @@ impl Candidates {
             let unknowns = 0..without.covariance.nrows();
             let tells = unknowns.max_by(|a, b| shrinks(*a).total_cmp(&shrinks(*b))).unwrap_or(0);
             touches.push(Planned {
-                candidate: self.touches[k].0,
+                candidate: self.touches[k].touch,
                 gain: without.predicted(self) - known.predicted(self),
                 tells: (tells, shrinks(tells)),
             });
@@ -180,7 +178,7 @@ impl Candidates {
         let mut floor = 0.0f64;
         for _ in 0..SHARE_ROUNDS {
             let shared = self.touches.iter().zip(&weights).zip(&shares);
-            let shared = shared.map(|(((_, seen), weight), share)| (seen, weight * (share * count)));
+            let shared = shared.map(|((seen, weight), share)| (seen, weight * (share * count)));
             let told = &told_before + information(self.before.nrows(), shared);
             let Some(covariance) = told.try_inverse() else { break };
             let known = Known::new(covariance, self);
@@ -188,9 +186,7 @@ impl Candidates {
                 .touches
                 .par_iter()
                 .zip(&weights)
-                .map(|((_, seen), weight)| {
-                    (weight * taken_up(&seen.residuals, &known.weighted)).trace().max(0.0)
-                })
+                .map(|(seen, weight)| (weight * seen.taken_up(&known.weighted)).trace().max(0.0))
                 .collect();
             let mean: f64 = slopes.iter().zip(&shares).map(|(slope, share)| slope * share).sum();
             let most = slopes.iter().copied().fold(0.0, f64::max);
@@ -216,7 +212,7 @@ impl Candidates {
                 order.shuffle(&mut rng);
                 let mut covariance = self.before.clone();
                 let enough = order.iter().position(|&k| {
-                    update(&mut covariance, &self.touches[k].1, &self.noise[k]);
+                    update(&mut covariance, &self.touches[k], &self.noise[k]);
                     self.mean.dot(&covariance) <= mean_square
                 });
                 enough.map_or(usize::MAX, |last| last + 1)
@@ -236,7 +232,7 @@ impl Known {
     /// After a touch more, or with one less where `sign` is −1.
     fn with(&self, candidates: &Candidates, k: usize, sign: f64) -> Known {
         let mut covariance = self.covariance.clone();
-        update(&mut covariance, &candidates.touches[k].1, &(candidates.noise[k] * sign));
+        update(&mut covariance, &candidates.touches[k], &(candidates.noise[k] * sign));
         Known::new(covariance, candidates)
     }
 
@@ -271,6 +267,6 @@ fn update(covariance: &mut DMatrix<f64>, seen: &Seen, noise: &Matrix3<f64>) {
             (0..3).for_each(|k| across[(row, k)] += c * slope[k]);
         }
     }
-    let Some(inverse) = (noise + taken_up(&seen.residuals, covariance)).try_inverse() else { return };
+    let Some(inverse) = (noise + seen.taken_up(covariance)).try_inverse() else { return };
     *covariance -= &across * inverse * across.transpose();
 }

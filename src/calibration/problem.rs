@@ -1,14 +1,14 @@
 //! Touches as a least-squares problem over a robot's unknowns.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use rayon::prelude::*;
 
-use super::noise::{Noise, NoiseSource, Seen};
-use super::pairing::assigned;
-use super::robot::{Posed, Robot, Value};
-use super::touch::{End, Touch};
-use super::unknowns::Unknowns;
-use crate::learning::least_squares::{LeastSquares, Linearization};
+use super::estimate::Estimator;
+use super::noise::{Noise, Seen};
+use super::robot::{Posed, Value};
+use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+
+/// Linearizations of one fit.
+const ITERATIONS: usize = 20;
 
 /// How a residual counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,101 +19,29 @@ pub enum Weighing {
     FromAfar,
 }
 
-/// The problem of explaining touches by a robot's unknowns.
-pub struct Problem<'a> {
-    robot: &'a Robot,
-    unknowns: &'a Unknowns,
-    touches: &'a [Touch],
-    /// Per touch where the noise of each pair of its ends comes from: of end `i` of one side and `j` of the other.
-    sources: &'a [Vec<NoiseSource>],
-    /// The noise.
-    pub noise: Noise,
-    /// How residuals count.
-    pub weighing: Weighing,
+/// The problem of explaining an estimator's touches by its unknowns.
+struct Problem<'a> {
+    estimator: &'a Estimator<'a>,
+    noise: &'a Noise,
+    weighing: Weighing,
     /// Places of parameters that stay as they are.
-    pub held: Vec<usize>,
-    /// What the last linearization fixed.
-    fixed: Vec<Fixed>,
+    held: &'a [usize],
+    /// What the last linearization fixed: pairs of ends that are taken to have met, and how their residuals are weighed.
+    fixed: Vec<(usize, [usize; 2], Matrix3<f64>)>,
 }
 
-/// A pair of ends that are taken to have met, and how its residual is weighed.
-#[derive(Clone, Debug)]
-struct Fixed {
-    touch: usize,
-    ends: [usize; 2],
-    weight: Matrix3<f64>,
-}
-
-impl<'a> Problem<'a> {
-    /// The problem of explaining `touches`, whose noise comes from `sources`.
-    pub fn new(
-        robot: &'a Robot,
-        unknowns: &'a Unknowns,
-        touches: &'a [Touch],
-        sources: &'a [Vec<NoiseSource>],
-        noise: Noise,
-        weighing: Weighing,
-    ) -> Problem<'a> {
-        Problem { robot, unknowns, touches, sources, noise, weighing, held: Vec::new(), fixed: Vec::new() }
-    }
-
-    /// The residuals at values of the robot's quantities, with their slopes; where it is not known who met whom, of those that
-    /// most likely did. Of each its touch and ends.
-    pub fn seen(&self, values: &[Value]) -> Vec<(usize, [usize; 2], Seen)> {
-        let of_touch = |t: usize| {
-            let touch = &self.touches[t];
-            let posed = Posed::new(self.robot, values, &touch.posture);
-            let pairs = self.pairs(t, &posed);
-            let see = |ends: [usize; 2]| {
-                let features = [&touch.ends[0][ends[0]].feature, &touch.ends[1][ends[1]].feature];
-                let place = |quantity, component| self.unknowns.place(quantity, component);
-                let residuals = posed.residuals(features, touch.distance, &place, true);
-                (t, ends, Seen { residuals, source: self.source(t, ends) })
-            };
-            pairs.into_iter().map(see).collect::<Vec<_>>()
-        };
-        (0..self.touches.len()).into_par_iter().flat_map_iter(of_touch).collect()
-    }
-
-    fn source(&self, touch: usize, [i, j]: [usize; 2]) -> NoiseSource {
-        self.sources[touch][i * self.touches[touch].ends[1].len() + j]
-    }
-
-    /// Who met whom.
-    fn pairs(&self, t: usize, posed: &Posed) -> Vec<[usize; 2]> {
-        let touch = &self.touches[t];
-        let [a, b] = [touch.ends[0].len(), touch.ends[1].len()];
-        if a == 1 && b == 1 {
-            return vec![[0, 0]];
-        }
-        let cost = |i: usize, j: usize| {
-            let features = [&touch.ends[0][i].feature, &touch.ends[1][j].feature];
-            let (size, value) = posed.miss(features, touch.distance);
-            let deviation = self.deviation(self.source(t, [i, j]));
-            // A pair that is surely false is as good as any other that is.
-            (1.0 + value.norm_squared() / (size as f64 * deviation * deviation)).ln()
-        };
-        assigned(a, b, cost)
-    }
-
-    /// The deviation of a residual without what noisy encoders add.
-    fn deviation(&self, source: NoiseSource) -> f64 {
-        (source.given + self.noise.groups[source.group].powi(2)).sqrt().max(1e-10)
-    }
-
-    /// How a residual is weighed.
-    fn weight(&self, seen: &Seen) -> Matrix3<f64> {
-        match self.weighing {
-            Weighing::ByNoise => {
-                let inverse = self.noise.covariance(seen).try_inverse().unwrap_or_else(Matrix3::zeros);
-                inverse * self.noise.honesty(seen)
-            }
-            Weighing::FromAfar => {
-                let variance = self.noise.groups[seen.source.group].powi(2);
-                let squares = seen.residuals.value.norm_squared();
-                Matrix3::identity() / (variance + squares)
-            }
-        }
+impl Estimator<'_> {
+    /// The values nearest to others that explain the touches best in some noise, but for what is held.
+    pub(super) fn descend(
+        &self,
+        start: Vec<Value>,
+        (noise, weighing): (&Noise, Weighing),
+        held: &[usize],
+        relative_cost: f64,
+    ) -> Vec<Value> {
+        let mut problem = Problem { estimator: self, noise, weighing, held, fixed: Vec::new() };
+        let stopping = Stopping { iterations: ITERATIONS, relative_cost, ..Stopping::default() };
+        self.canonical(levenberg_marquardt(&mut problem, start, stopping).state)
     }
 }
 
@@ -126,36 +54,42 @@ impl LeastSquares for Problem<'_> {
     type State = Vec<Value>;
 
     fn linearize(&mut self, values: &Vec<Value>) -> Linearization {
-        let mut total = Linearization::nothing(self.unknowns.len());
-        let seen = self.seen(values);
+        let (robot, unknowns) = (self.estimator.robot, &self.estimator.unknowns);
+        let mut total = Linearization::nothing(unknowns.len());
         self.fixed.clear();
-        for (touch, ends, seen) in seen {
-            let weight = self.weight(&seen);
+        for seen in self.estimator.seen(values, self.noise) {
+            let weight = match self.weighing {
+                Weighing::ByNoise => self.noise.weight(&seen),
+                Weighing::FromAfar => {
+                    let variance = self.noise.groups[seen.source.group].powi(2);
+                    Matrix3::identity() / (variance + seen.apart().powi(2))
+                }
+            };
             add_to(&mut total, &seen.residuals.slopes, &seen.residuals.value, &weight);
             total.cost += squared(&seen.residuals.value, &weight);
-            self.fixed.push(Fixed { touch, ends, weight });
+            self.fixed.push((seen.touch, seen.ends, weight));
         }
         total.scale = total.hessian.diagonal();
-        self.unknowns.add_prior(self.robot, values, &mut total);
-        hold(&mut total.hessian, &self.held);
-        for place in &self.held {
+        unknowns.add_prior(robot, values, &mut total);
+        hold(&mut total.hessian, self.held);
+        for place in self.held {
             (total.gradient[*place], total.scale[*place]) = (0.0, 1.0);
         }
         total
     }
 
     fn cost(&self, values: &Vec<Value>) -> f64 {
-        let of_pair = |fixed: &Fixed| {
-            let touch = &self.touches[fixed.touch];
-            let posed = Posed::new(self.robot, values, &touch.posture);
-            let [a, b]: [&End; 2] = [&touch.ends[0][fixed.ends[0]], &touch.ends[1][fixed.ends[1]]];
-            squared(&posed.miss([&a.feature, &b.feature], touch.distance).1, &fixed.weight)
+        let Estimator { robot, unknowns, .. } = self.estimator;
+        let of_pair = |(touch, ends, weight): &(usize, [usize; 2], Matrix3<f64>)| {
+            let touch = &self.estimator.touches()[*touch];
+            let posed = Posed::new(robot, values, &touch.posture);
+            squared(&posed.miss(touch.features(*ends), touch.distance).1, weight)
         };
-        self.fixed.iter().map(of_pair).sum::<f64>() + self.unknowns.prior_cost(self.robot, values)
+        self.fixed.iter().map(of_pair).sum::<f64>() + unknowns.prior_cost(robot, values)
     }
 
     fn step(&self, values: &Vec<Value>, step: &DVector<f64>) -> Vec<Value> {
-        self.unknowns.step(values, step)
+        self.estimator.unknowns.step(values, step)
     }
 }
 

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::estimate::{Estimator, Fit, SignStarts};
-use super::robot::{Posed, Value};
+use super::robot::{DofQuantities, Posed, Value};
 use crate::creature::DofKind;
 
 /// Touches that signs are looked for by.
@@ -98,10 +98,10 @@ impl Estimator<'_> {
         for sign in signs {
             values[*sign] = Value::Number(if rng.random_bool(0.5) { 1.0 } else { -1.0 });
         }
-        for dof in self.robot.dofs.iter().filter(|dof| dof.kind == DofKind::Hinge) {
-            let Some(q) = dof.quantities.filter(|q| self.robot.quantities[q.offset].is_open()) else {
-                continue;
-            };
+        let is_hinge = |dof: usize| self.robot.dofs[dof].kind == DofKind::Hinge;
+        let free =
+            |(dof, q): &(usize, DofQuantities)| is_hinge(*dof) && self.robot.quantities[q.offset].is_open();
+        for (_, q) in self.robot.encoders().filter(free) {
             let aside = rng.random_range(-ASIDE..ASIDE);
             values[q.offset] = Value::Number(values[q.offset].number() + aside);
         }
@@ -133,7 +133,7 @@ impl Estimator<'_> {
     /// Takes what wrong signs may have been made up for with back to what it nominally is: all open gains, and the offsets of the
     /// encoders whose signs were exchanged. It would keep the right ones out.
     fn forget(&self, values: &mut [Value], exchanged: &[usize]) {
-        for q in self.robot.dofs.iter().filter_map(|dof| dof.quantities) {
+        for (_, q) in self.robot.encoders() {
             let offset = exchanged.contains(&q.sign).then_some(q.offset);
             for quantity in offset.into_iter().chain([q.gain]) {
                 values[quantity] = self.robot.quantities[quantity].nominal;

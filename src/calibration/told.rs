@@ -1,6 +1,6 @@
 //! What touches tell of a robot, and what they leave open: covariances, and parameters that nothing tells apart.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
 
@@ -25,15 +25,28 @@ pub struct Told {
     pub dependent: Vec<usize>,
 }
 
+/// Quantities that touches do not tell apart.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Untold {
+    /// Their names.
+    pub names: Vec<String>,
+    /// In how many ways they can change together and nothing is felt of it.
+    pub ways: usize,
+}
+
 impl Told {
     /// Of the information about parameters, symmetric. Found by Cholesky's factors with pivots: what a parameter adds to
     /// those before it is its own; one that adds nothing is a combination of them, and they are tied.
     pub fn by(information: &DMatrix<f64>) -> Told {
+        Told::above(information, OWN_SHARE)
+    }
+
+    /// The same, with the least share of its information that a parameter must have of its own.
+    pub fn above(information: &DMatrix<f64>, own_share: f64) -> Told {
         let n = information.nrows();
         let scale: Vec<f64> = (0..n).map(|i| information[(i, i)].max(0.0).sqrt()).collect();
-        let mut dependent: Vec<usize> = (0..n).filter(|i| scale[*i] == 0.0).collect();
+        let (mut order, mut dependent): (Vec<usize>, Vec<usize>) = (0..n).partition(|i| scale[*i] > 0.0);
         let mut ties: Vec<Vec<usize>> = dependent.iter().map(|i| vec![*i]).collect();
-        let mut order: Vec<usize> = (0..n).filter(|i| scale[*i] > 0.0).collect();
         let m = order.len();
         let mut left = DMatrix::from_fn(m, m, |i, j| {
             information[(order[i], order[j])] / (scale[order[i]] * scale[order[j]])
@@ -41,7 +54,7 @@ impl Told {
         let mut rank = 0;
         while rank < m {
             let best = (rank..m).max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)])).unwrap_or(rank);
-            if left[(best, best)] < OWN_SHARE * m as f64 {
+            if left[(best, best)] < own_share * m as f64 {
                 break;
             }
             left.swap_rows(rank, best);
@@ -49,36 +62,19 @@ impl Told {
             order.swap(rank, best);
             let root = left[(rank, rank)].sqrt();
             left[(rank, rank)] = root;
-            for i in rank + 1..m {
-                left[(i, rank)] /= root;
-            }
-            for j in rank + 1..m {
-                let by = left[(j, rank)];
-                if by != 0.0 {
-                    for i in j..m {
-                        let less = left[(i, rank)] * by;
-                        left[(i, j)] -= less;
-                    }
-                }
-            }
-            // The upper triangle is read where rows and columns are exchanged.
-            for i in rank + 1..m {
-                for j in rank + 1..=i {
-                    left[(j, i)] = left[(i, j)];
-                }
-                left[(rank, i)] = 0.0;
-            }
-            rank += 1;
+            let (next, others) = (rank + 1, m - rank - 1);
+            let own = left.column(rank).rows(next, others) / root;
+            left.view_mut((next, next), (others, others)).ger(-1.0, &own, &own, 1.0);
+            left.column_mut(rank).rows_mut(next, others).copy_from(&own);
+            rank = next;
         }
         dependent.extend(&order[rank..]);
         let factor = left.view((0, 0), (rank, rank)).lower_triangle();
         let mut covariance = DMatrix::zeros(n, n);
         if let Some(inverse) = factor.solve_lower_triangular(&DMatrix::identity(rank, rank)) {
             let block = inverse.tr_mul(&inverse);
-            for i in 0..rank {
-                for j in 0..rank {
-                    covariance[(order[i], order[j])] = block[(i, j)] / (scale[order[i]] * scale[order[j]]);
-                }
+            for (i, j) in (0..rank).flat_map(|i| (0..rank).map(move |j| (i, j))) {
+                covariance[(order[i], order[j])] = block[(i, j)] / (scale[order[i]] * scale[order[j]]);
             }
             for i in rank..m {
                 // What it is a combination of.
@@ -108,9 +104,9 @@ impl Told {
         if scale > 0.0 { self.covariance[(i, j)] / scale } else { 0.0 }
     }
 
-    /// What cannot be told apart: quantities by name, and in how many ways they change together unfelt.
+    /// What cannot be told apart: quantities by name, and in how many ways they change together unfelt. Ties that share a
+    /// quantity are one.
     pub fn untold(&self, robot: &Robot, unknowns: &Unknowns) -> Vec<Untold> {
-        // Ties that share a quantity are one sentence.
         let mut groups: Vec<(BTreeSet<usize>, usize)> = Vec::new();
         for tie in &self.ties {
             let mut quantities: BTreeSet<usize> =
@@ -126,56 +122,13 @@ impl Told {
             });
             groups.push((quantities, ways));
         }
-        let mut found: Vec<Untold> = groups
-            .into_iter()
-            .map(|(quantities, ways)| Untold {
-                names: quantities.iter().map(|q| robot.quantities[*q].name.clone()).collect(),
-                ways,
-            })
-            .collect();
-        found.sort_by(|a, b| a.names.cmp(&b.names));
-        // Those of one thing alone are told together.
-        let mut alone: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-        found.retain(|untold| {
-            let single = untold.names.len() == 1;
-            if single {
-                alone.entry(untold.ways).or_default().extend(untold.names.iter().cloned());
-            }
-            !single
-        });
-        found.extend(
-            alone.into_iter().flat_map(|(ways, names)| {
-                names.into_iter().map(move |name| Untold { names: vec![name], ways })
-            }),
-        );
+        let named = |(quantities, ways): (BTreeSet<usize>, usize)| Untold {
+            names: quantities.iter().map(|q| robot.quantities[*q].name.clone()).collect(),
+            ways,
+        };
+        let mut found: Vec<Untold> = groups.into_iter().map(named).collect();
+        found.sort_by(|a, b| (a.names.len() == 1, &a.names).cmp(&(b.names.len() == 1, &b.names)));
         found
-    }
-}
-
-/// Quantities that touches do not tell apart.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Untold {
-    /// Their names.
-    pub names: Vec<String>,
-    /// In how many ways they can change together and nothing is felt of it.
-    pub ways: usize,
-}
-
-impl std::fmt::Display for Untold {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.names.as_slice() {
-            [one] => {
-                write!(formatter, "{one} is not told by these touches")?;
-            }
-            [most @ .., last] => {
-                write!(formatter, "{} and {last} cannot be told apart by these touches", most.join(", "))?;
-            }
-            [] => {}
-        }
-        match self.ways {
-            1 => Ok(()),
-            ways => write!(formatter, " ({ways} ways to change unfelt)"),
-        }
     }
 }
 

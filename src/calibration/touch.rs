@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::robot::{Form, Posed, Robot, Twist, Value};
+use super::robot::{Form, Posed, Robot, Twist};
 use crate::geometry::{Frame, Gap, PlacedShape, Precision, Shape, gap};
 
 /// What touched on one side.
@@ -48,7 +48,7 @@ pub struct Residuals {
     pub value: Vector3<f64>,
     /// A parameter's place and the residuals' derivative by it.
     pub slopes: Vec<(usize, Vector3<f64>)>,
-    /// Their derivative by each degree of freedom as it is; empty unless asked for.
+    /// Their derivative by each degree of freedom as it is.
     pub by_dof: Vec<(usize, Vector3<f64>)>,
 }
 
@@ -62,6 +62,18 @@ impl Feature {
     }
 }
 
+impl Touch {
+    /// What was felt where two of its ends met.
+    pub fn features(&self, [i, j]: [usize; 2]) -> [&Feature; 2] {
+        [&self.ends[0][i].feature, &self.ends[1][j].feature]
+    }
+
+    /// Two of its ends.
+    pub fn pair(&self, [i, j]: [usize; 2]) -> [&End; 2] {
+        [&self.ends[0][i], &self.ends[1][j]]
+    }
+}
+
 impl Posed<'_> {
     /// How far two features are from where they would be if they touched; `place` gives a quantity's parameter its place among
     /// the unknowns. Points that meet leave their difference in the frame of the last link on both ways; of surfaces, and of points
@@ -71,41 +83,26 @@ impl Posed<'_> {
         [a, b]: [&Feature; 2],
         distance: f64,
         place: &dyn Fn(usize, usize) -> Option<usize>,
-        with_dofs: bool,
     ) -> Residuals {
-        let robot = self.robot();
-        let paths = self.paths([a.link(robot), b.link(robot)]);
+        let paths = self.paths([a.link(self.robot()), b.link(self.robot())]);
         let mut parameters: [Vec<(usize, Twist)>; 2] = Default::default();
         let mut dofs: [Vec<(usize, Twist)>; 2] = Default::default();
         let mut frames = [Frame::identity(); 2];
-        for side in 0..2 {
-            frames[side] = self.walk(
-                &paths[side],
-                |dof, twist| {
-                    if with_dofs {
-                        dofs[side].push((dof, twist));
-                    }
-                },
-                |quantity, component, twist| {
-                    if let Some(at) = place(quantity, component) {
-                        parameters[side].push((at, twist));
-                    }
-                },
-            );
+        for (side, path) in paths.iter().enumerate() {
+            let on_parameter = |quantity, component, twist| {
+                parameters[side].extend(place(quantity, component).map(|at| (at, twist)));
+            };
+            frames[side] = self.walk(path, |dof, twist| dofs[side].push((dof, twist)), on_parameter);
         }
         let met = self.meeting([a, b], distance, &frames);
-        let mut found = Residuals { size: met.size, ..Residuals::default() };
-        let along =
-            |v: Vector3<f64>| if met.size == 3 { v } else { Vector3::new(met.normal.dot(&v), 0.0, 0.0) };
-        found.value = match met.size {
-            3 => met.points[0] - met.points[1],
-            _ => Vector3::new(met.gap - distance, 0.0, 0.0),
-        };
-        for side in 0..2 {
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            let slope = |twist: &Twist| along(twist.at(&met.points[side]) * sign);
-            found.slopes.extend(parameters[side].iter().map(|(at, twist)| (*at, slope(twist))));
-            found.by_dof.extend(dofs[side].iter().map(|(dof, twist)| (*dof, slope(twist))));
+        let mut found = Residuals { size: met.size, value: met.apart(distance), ..Residuals::default() };
+        for (side, sign) in [(0, 1.0), (1, -1.0)] {
+            let slope = |(at, twist): &(usize, Twist)| {
+                let by = twist.at(&met.points[side]) * sign;
+                (*at, if met.size == 3 { by } else { Vector3::new(met.normal.dot(&by), 0.0, 0.0) })
+            };
+            found.slopes.extend(parameters[side].iter().map(slope));
+            found.by_dof.extend(dofs[side].iter().map(slope));
         }
         for radius in met.radii.into_iter().flatten() {
             found.slopes.extend(place(radius, 0).map(|at| (at, Vector3::new(-1.0, 0.0, 0.0))));
@@ -115,13 +112,9 @@ impl Posed<'_> {
 
     /// The residuals alone, and how many they are.
     pub fn miss(&self, [a, b]: [&Feature; 2], distance: f64) -> (usize, Vector3<f64>) {
-        let robot = self.robot();
-        let paths = self.paths([a.link(robot), b.link(robot)]);
-        let met = self.meeting([a, b], distance, &[self.frame(&paths[0]), self.frame(&paths[1])]);
-        match met.size {
-            3 => (3, met.points[0] - met.points[1]),
-            _ => (1, Vector3::new(met.gap - distance, 0.0, 0.0)),
-        }
+        let frames = self.paths([a.link(self.robot()), b.link(self.robot())]).map(|path| self.frame(&path));
+        let met = self.meeting([a, b], distance, &frames);
+        (met.size, met.apart(distance))
     }
 
     fn meeting(&self, features: [&Feature; 2], distance: f64, frames: &[Frame; 2]) -> Meeting {
@@ -152,16 +145,9 @@ impl Posed<'_> {
         };
         let pose = *frame * surface.pose;
         match &surface.form {
-            Form::Sphere(radius) => Placed::Sphere(pose.origin, *radius, self.number(*radius)),
+            Form::Sphere(radius) => Placed::Sphere(pose.origin, *radius, self.values()[*radius].number()),
             Form::Plane => Placed::Plane(pose),
             Form::Solid(shape) => Placed::Solid(shape, pose),
-        }
-    }
-
-    fn number(&self, quantity: usize) -> f64 {
-        match self.values()[quantity] {
-            Value::Number(number) => number,
-            _ => 0.0,
         }
     }
 }
@@ -175,6 +161,16 @@ struct Meeting {
     gap: f64,
     /// Quantities that are radii of the two.
     radii: [Option<usize>; 2],
+}
+
+impl Meeting {
+    /// The residuals where the two are to be at a distance.
+    fn apart(&self, distance: f64) -> Vector3<f64> {
+        match self.size {
+            3 => self.points[0] - self.points[1],
+            _ => Vector3::new(self.gap - distance, 0.0, 0.0),
+        }
+    }
 }
 
 /// A feature in the common frame. Spheres count as their centres: their radii are taken off the gap.

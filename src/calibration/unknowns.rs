@@ -18,34 +18,27 @@ pub struct Unknowns {
     pub parameters: Vec<(usize, usize)>,
     /// Per quantity the places of its parameters.
     places: Vec<[Option<usize>; 3]>,
-    /// Quantity, parameter, standard deviation of what is nearly known; of a direction once.
-    near: Vec<(usize, usize, f64)>,
+    /// Per parameter the standard deviation to which it is known before any touch.
+    deviations: Vec<Option<f64>>,
 }
 
 impl Unknowns {
     /// Those of a robot whose knowledge says so.
     pub fn of(robot: &Robot) -> Unknowns {
-        let mut unknowns = Unknowns {
-            parameters: Vec::new(),
-            places: vec![[None; 3]; robot.quantities.len()],
-            near: Vec::new(),
-        };
+        let places = vec![[None; 3]; robot.quantities.len()];
+        let mut unknowns = Unknowns { parameters: Vec::new(), places, deviations: Vec::new() };
         // Which way an encoder counts is no matter of small steps.
-        let signs: Vec<usize> = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.sign)).collect();
-        for (q, quantity) in robot.quantities.iter().enumerate() {
-            if signs.contains(&q) {
-                continue;
-            }
+        let signs: Vec<usize> = robot.encoders().map(|(_, own)| own.sign).collect();
+        for (q, quantity) in robot.quantities.iter().enumerate().filter(|(q, _)| !signs.contains(q)) {
             for component in 0..quantity.nominal.size() {
-                let knowledge = quantity.knowledge[component];
-                if knowledge == Knowledge::Known {
-                    continue;
-                }
-                unknowns.places[q][component] = Some(unknowns.parameters.len());
+                let deviation = match quantity.knowledge[component] {
+                    Knowledge::Known => continue,
+                    Knowledge::Near(deviation) => Some(deviation),
+                    Knowledge::Free => None,
+                };
+                unknowns.places[q][component] = Some(unknowns.len());
                 unknowns.parameters.push((q, component));
-                if let Knowledge::Near(deviation) = knowledge {
-                    unknowns.near.push((q, component, deviation));
-                }
+                unknowns.deviations.push(deviation);
             }
         }
         unknowns
@@ -66,25 +59,20 @@ impl Unknowns {
         self.places[quantity][component]
     }
 
-    /// The standard deviation to which a parameter is known before any touch.
-    pub fn deviation_before(&self, place: usize) -> Option<f64> {
-        let (quantity, component) = self.parameters[place];
-        let of = self.near.iter().find(|(q, c, _)| *q == quantity && *c == component);
-        of.map(|(_, _, deviation)| *deviation)
+    /// The places of a quantity's parameters.
+    pub fn places(&self, quantity: usize) -> impl Iterator<Item = usize> {
+        self.places[quantity].into_iter().flatten()
     }
 
-    /// How far off its nominal value a nearly known parameter would be without what was said of it, in units of how far touches in
-    /// agreement with that would move it, squared: what is left of what was said, as a row that is left out. `None` of others.
-    pub fn pulled(
-        &self,
-        robot: &Robot,
-        values: &[Value],
-        covariance: &DMatrix<f64>,
-        place: usize,
-    ) -> Option<f64> {
-        let deviation = self.deviation_before(place)?;
-        let determined = 1.0 - covariance[(place, place)] / deviation.powi(2);
-        Some((self.off(robot, values, place) / deviation).powi(2) / determined.max(1e-9))
+    /// The name of a parameter.
+    pub fn name(&self, robot: &Robot, place: usize) -> String {
+        let (quantity, component) = self.parameters[place];
+        robot.quantities[quantity].component_name(component)
+    }
+
+    /// The standard deviation to which a parameter is known before any touch.
+    pub fn deviation_before(&self, place: usize) -> Option<f64> {
+        self.deviations[place]
     }
 
     /// How far a parameter is from its nominal value.
@@ -120,7 +108,8 @@ impl Unknowns {
 
     /// `½ Σ (difference / deviation)²` of what is nearly known.
     pub fn prior_cost(&self, robot: &Robot, values: &[Value]) -> f64 {
-        let squares = self.near.iter().map(|&(q, component, deviation)| {
+        let squares = self.parameters.iter().zip(&self.deviations).map(|(&(q, component), deviation)| {
+            let Some(deviation) = deviation else { return 0.0 };
             let difference = values[q].difference(&robot.quantities[q].nominal);
             match values[q] {
                 // Both parameters of a direction share the difference of the vectors.
@@ -134,22 +123,18 @@ impl Unknowns {
     /// Adds what is nearly known to normal equations, its cost included.
     pub fn add_prior(&self, robot: &Robot, values: &[Value], model: &mut Linearization) {
         model.cost += self.prior_cost(robot, values);
-        for &(q, component, deviation) in &self.near {
-            let Some(at) = self.places[q][component] else { continue };
-            let weight = deviation.powi(-2);
-            let along = self.off(robot, values, at);
-            model.hessian[(at, at)] += weight;
-            model.scale[at] += weight;
-            model.gradient[at] += weight * along;
+        for (place, deviation) in self.deviations.iter().enumerate() {
+            let Some(weight) = deviation.map(|deviation| deviation.powi(-2)) else { continue };
+            model.hessian[(place, place)] += weight;
+            model.scale[place] += weight;
+            model.gradient[place] += weight * self.off(robot, values, place);
         }
     }
 
     /// Adds the information in what is nearly known.
     pub fn add_information(&self, information: &mut DMatrix<f64>) {
-        for place in 0..self.len() {
-            if let Some(deviation) = self.deviation_before(place) {
-                information[(place, place)] += deviation.powi(-2);
-            }
+        for (place, deviation) in self.deviations.iter().enumerate() {
+            information[(place, place)] += deviation.map_or(0.0, |deviation| deviation.powi(-2));
         }
     }
 }

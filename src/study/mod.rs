@@ -8,7 +8,7 @@
 
 mod acting;
 mod bodies;
-mod calibration;
+pub mod calibration;
 mod disturbances;
 pub mod generated;
 mod hersch;

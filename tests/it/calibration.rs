@@ -9,8 +9,8 @@ use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Element, Form, Knowledge, Posed, Robot, Unit, Value};
 use bodyschema::calibration::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
 use bodyschema::calibration::{
-    End, Estimator, EstimatorOptions, FalseTouches, Feature, Fit, Noise, Touch, add_places, judge, plan,
-    split,
+    End, Estimator, EstimatorOptions, FalseTouches, Feature, Fit, Noise, Seen, Touch, add_places, judge,
+    plan, split,
 };
 use bodyschema::creature::DofKind;
 use bodyschema::geometry::Frame;
@@ -233,9 +233,8 @@ fn spheres_that_touched_calibrate_a_hand() {
     let fit = estimator.fit();
     let radius = robot.quantity("thumb_tip.radius").unwrap();
     assert!((fit.values[radius].number() - 0.008).abs() < 1e-6, "{:?}", fit.values[radius]);
-    let apart =
-        estimator.seen(&fit.values, &fit.noise).into_iter().map(|(_, _, seen)| seen.residuals.value.norm());
-    assert!(apart.fold(0.0, f64::max) < 1e-7);
+    let seen = estimator.seen(&fit.values, &fit.noise);
+    assert!(seen.iter().map(Seen::apart).fold(0.0, f64::max) < 1e-7);
 }
 
 /// Postures in which two surfaces just touch: random ones, put right along their gap's slope.
@@ -248,7 +247,7 @@ fn meetings(robot: &Robot, values: &[Value], surfaces: [usize; 2], count: usize)
             robot.dofs.iter().map(|dof| rng.random_range(dof.range[0]..dof.range[1])).collect();
         for _ in 0..50 {
             let posed = Posed::new(robot, values, &posture);
-            let gap = posed.residuals([&features[0], &features[1]], 0.0, &|_, _| None, true);
+            let gap = posed.residuals([&features[0], &features[1]], 0.0, &|_, _| None);
             let slope = gap.by_dof.iter().map(|(_, slope)| slope.x * slope.x).sum::<f64>();
             for (dof, by) in &gap.by_dof {
                 posture[*dof] -= (gap.value.x * by.x / slope.max(1e-9)).clamp(-0.3, 0.3);
@@ -369,7 +368,7 @@ fn points_that_recur_are_places() {
     let noise =
         Noise { groups: vec![1e-3; 8], joint: 0.0, false_share: 0.0, widths: vec![1.0; 8], dead: None };
     let seen = Estimator::new(&robot, &all, EstimatorOptions::default()).seen(&robot.nominal(), &noise);
-    assert!(seen.iter().all(|(_, _, seen)| seen.residuals.value.norm() < 1e-9));
+    assert!(seen.iter().all(|seen| seen.apart() < 1e-9));
 }
 
 #[test]

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use crate::common::calibrating::Place;
-use bodyschema::calibration::made::{Data, Fault, Made};
 use bodyschema::calibration::robot::{Knowledge, Posed, Robot};
 use bodyschema::calibration::{
     Estimator, EstimatorOptions, Fit, Objection, Question, Touch, drop_repeats, folds, objections, split,
 };
 use bodyschema::session::read_robot;
+use bodyschema::study::calibration::made::{Data, Fault, Made};
 use nalgebra::Vector3;
 use serde_json::Value as Json;
 

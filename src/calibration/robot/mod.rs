@@ -231,6 +231,11 @@ impl Robot {
         self.dofs.iter().map(|dof| dof.coordinate + dof.kind.coordinates()).max().unwrap_or(0)
     }
 
+    /// Hinges and slides, and the quantities of each.
+    pub fn encoders(&self) -> impl Iterator<Item = (usize, DofQuantities)> {
+        self.dofs.iter().enumerate().filter_map(|(dof, about)| Some((dof, about.quantities?)))
+    }
+
     /// Degrees of freedom that have coordinates of their own: what mimics another has that one's.
     pub fn leaders(&self) -> impl Iterator<Item = &RobotDof> {
         (0..self.dofs.len()).filter(|dof| self.leads(*dof)).map(|dof| &self.dofs[dof])
@@ -287,8 +292,8 @@ impl Robot {
     /// The same robot whose encoders' gains are known, and whose joints do not give way: where a search is rough.
     pub fn with_gains_known(&self) -> Robot {
         let mut robot = self.clone();
-        for quantities in self.dofs.iter().filter_map(|dof| dof.quantities) {
-            for quantity in [quantities.gain, quantities.compliance] {
+        for (_, own) in self.encoders() {
+            for quantity in [own.gain, own.compliance] {
                 robot.quantities[quantity].knowledge = [Knowledge::Known; 3];
             }
         }

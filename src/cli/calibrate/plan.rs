@@ -106,10 +106,7 @@ pub fn run(args: &PlanArguments) -> Outcome {
 fn table(robot: &Robot, touches: &[Touch], estimator: &Estimator, plan: &Plan) -> String {
     let chosen: Vec<&Touch> = plan.touches.iter().map(|planned| &touches[planned.candidate]).collect();
     let gains = plan.touches.iter().map(|planned| format!("{:.4}", 1e3 * planned.gain)).collect();
-    let tells = plan.touches.iter().map(|planned| {
-        let (q, part) = estimator.unknowns.parameters[planned.tells.0];
-        robot.quantities[q].component_name(part)
-    });
+    let tells = plan.touches.iter().map(|planned| estimator.unknowns.name(robot, planned.tells.0));
     let times = plan.touches.iter().map(|planned| format!("{:.2}", planned.tells.1)).collect();
     calibration_table(robot, &chosen, &[("gain_mm", gains), ("tells", tells.collect()), ("times", times)])
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::calibration::{Calibration, SeenTouch};
+use crate::calibration::{Calibration, Seen};
 use crate::session::name_of;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, box_marks, quartiles, rows};
 use crate::view::figure;
@@ -13,14 +13,14 @@ const MOST_ROWS: usize = 30;
 
 /// A box for each pair of links that touched; touches that are taken to be false are crosses.
 pub(super) fn by_pair(found: &Calibration) -> String {
-    let millimetres = |(_, _, seen): &SeenTouch| 1e3 * seen.residuals.value.norm();
-    let mut pairs: BTreeMap<[String; 2], [Vec<&SeenTouch>; 2]> = BTreeMap::new();
-    for touch @ (index, ends, seen) in &found.fit.seen {
-        let of = |side: usize| name_of(found.robot, &found.touches[*index].ends[side][ends[side]].feature);
-        let mut pair = [of(0), of(1)];
+    let millimetres = |seen: &Seen| 1e3 * seen.apart();
+    let mut pairs: BTreeMap<[String; 2], [Vec<&Seen>; 2]> = BTreeMap::new();
+    for seen in &found.fit.seen {
+        let mut pair =
+            found.touches[seen.touch].features(seen.ends).map(|feature| name_of(found.robot, feature));
         pair.sort_unstable();
         let is_false = found.fit.noise.honesty(seen) <= 0.5;
-        pairs.entry(pair).or_default()[usize::from(is_false)].push(touch);
+        pairs.entry(pair).or_default()[usize::from(is_false)].push(seen);
     }
     let mut pairs: Vec<_> = pairs.into_iter().collect();
     pairs.sort_by_key(|(_, [honest, wrong])| std::cmp::Reverse(honest.len() + wrong.len()));
@@ -32,7 +32,7 @@ pub(super) fn by_pair(found: &Calibration) -> String {
         let values = quartiles(honest.iter().map(|touch| millimetres(touch)));
         boxes.extend(values.into_iter().flat_map(|values| box_marks(k, &about, values)));
         crosses.extend(wrong.iter().map(|touch| {
-            let (line, apart) = (found.touches[touch.0].line, millimetres(touch));
+            let (line, apart) = (found.touches[touch.touch].line, millimetres(touch));
             let says = format!("line {line}: {a} and {b} are {} mm apart, taken to be false", number(apart));
             ChartMark::Dot { at: [apart, k as f64], radius: 3.0, cross: true, says }
         }));

@@ -76,12 +76,12 @@ pub fn numbers(found: &Calibration) -> Table {
 /// What is left of each touch, and what was read there.
 pub fn residuals(found: &Calibration) -> Table {
     let titles = ["line", "a", "b", "before_mm", "after_mm", "honest"].map(String::from);
-    let rows = found.fit.seen.iter().zip(found.before()).map(|((touch, ends, seen), (_, _, was))| {
-        let touch = &found.touches[*touch];
-        let name = |side: usize| name_of(found.robot, &touch.ends[side][ends[side]].feature);
-        let [before, after] = [&was, seen].map(|seen| (1e3 * seen.residuals.value.norm()).to_string());
+    let rows = found.fit.seen.iter().zip(found.before()).map(|(seen, was)| {
+        let touch = &found.touches[seen.touch];
+        let [a, b] = touch.features(seen.ends).map(|feature| name_of(found.robot, feature));
+        let [before, after] = [&was, seen].map(|seen| (1e3 * seen.apart()).to_string());
         let honest = format!("{:.3}", found.fit.noise.honesty(seen));
-        let own = [touch.line.to_string(), name(0), name(1), before, after, honest];
+        let own = [touch.line.to_string(), a, b, before, after, honest];
         own.into_iter().chain(joint_cells(found.robot, &touch.posture))
     });
     Table::new(titles.into_iter().chain(joint_titles(found.robot)), rows)

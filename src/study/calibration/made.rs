@@ -9,9 +9,9 @@ use nalgebra::{Rotation3, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::repeats::drop_repeats;
-use super::robot::{Element, Form, Knowledge, LinkMass, Posed, Robot, Unit, Value};
-use super::touch::{End, Feature, Touch};
+use crate::calibration::robot::{Element, Form, Knowledge, LinkMass, Posed, Robot, Unit, Value};
+use crate::calibration::simulated::normal;
+use crate::calibration::{End, Feature, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
 use crate::named::named;
@@ -272,7 +272,7 @@ impl Made {
                 _ => surroundings[rng.random_range(0..surroundings.len())],
             };
             let posture: Vec<f64> = robot.dofs.iter().map(|_| rng.random_range(-RANGE..RANGE)).collect();
-            let off = Vector3::from_fn(|_, _| noise * super::simulated::normal(rng));
+            let off = Vector3::from_fn(|_, _| noise * normal(rng));
             let ends = |a, b| [a, b].map(|feature| vec![End { feature, deviation: None }]);
             let touch = if data == Data::Tracker {
                 let posed = Posed::new(&robot, &truth, &posture);
@@ -414,7 +414,7 @@ fn meeting(
 ) -> Option<Vec<f64>> {
     for _ in 0..40 {
         let posed = Posed::new(robot, values, &posture);
-        let met = posed.residuals(features, 0.0, &|_, _| None, true);
+        let met = posed.residuals(features, 0.0, &|_, _| None);
         let mut value = met.value - off;
         (met.size..3).for_each(|i| value[i] = 0.0);
         if value.norm() < 1e-10 {

@@ -1,11 +1,13 @@
 //! Whether the verdict on a calibration is right, both ways: made robots with and without a fault, by four kinds of data.
 
+pub mod made;
+
 use serde_json::json;
 
 use super::{By, Column, Row, Studied, Study, Trial};
-use crate::calibration::made::{Data, Fault, Made};
 use crate::calibration::{Estimator, EstimatorOptions, Misses, objections};
 use crate::error::Error;
+use made::{Data, Fault, Made};
 
 pub(super) const STUDY: Study = Study {
     name: "calibration",
@@ -73,7 +75,7 @@ fn measured(data: Data, fault: Fault, seed: u64) -> Row {
         "falsely_not_calibrated": !calibrated && fault.is_harmless(),
         "named": made.faulty.as_ref().map(names),
         "to_be_named": made.faulty,
-        "after_mm": 1e3 * Misses::of(&fit.honest()).rms,
+        "after_mm": 1e3 * Misses::of(fit.honest()).rms,
         "deviations": offsets.fold(0.0, f64::max),
         "objections": objections.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
     })
