@@ -307,14 +307,14 @@ impl<'a> Estimator<'a> {
                     break;
                 }
             }
-            // What the touches determine less well than it was known before goes back to where it was.
+            // What the touches determine less well than it was known before goes back to where it was; its other parts are fitted again.
             let vague = self.vague(&values, &noise, &held);
             if vague.is_empty() {
                 break;
             }
             for place in &vague {
-                let (q, component) = self.unknowns.parameters[*place];
-                values[q] = values[q].with_component_of(&nominal[q], component);
+                let (q, _) = self.unknowns.parameters[*place];
+                values[q] = nominal[q];
             }
             held.extend(vague);
         }

@@ -22,7 +22,6 @@ mod problem;
 mod repeats;
 pub mod robot;
 mod signs;
-pub mod simulated;
 mod told;
 mod touch;
 mod unknowns;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::robot::{Element, Knowledge, Robot};
+use super::robot::{Element, Knowledge, MOUNT, Robot};
 use super::touch::{Feature, Touch};
 
 /// A point that occurs so often is a receptor: what is said of it once is not checked by anything.
@@ -22,7 +22,7 @@ pub fn add_places(robot: &mut Robot, touches: &mut [Touch], deviation: f64) -> u
     let recurring: Vec<(usize, [u64; 3])> =
         counts.into_iter().filter(|(_, count)| *count >= RECURS).map(|(point, _)| point).collect();
     for (number, (link, point)) in recurring.iter().enumerate() {
-        let name = robot.links[*link].name.trim_end_matches(".mount").to_string();
+        let name = robot.links[*link].name.trim_end_matches(MOUNT).to_string();
         let place = format!("{name}.place{}", number + 1);
         robot.add_place(&place, *link, Vector3::from(point.map(f64::from_bits)));
         if let Some(quantity) = robot.quantities.last_mut() {

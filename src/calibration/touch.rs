@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::robot::{Form, Posed, Robot, Twist};
+use super::robot::{Form, Mover, Posed, Robot, Twist};
 use crate::geometry::{Frame, Gap, PlacedShape, Precision, Shape, gap};
 
 /// What touched on one side.
@@ -85,24 +85,26 @@ impl Posed<'_> {
         place: &dyn Fn(usize, usize) -> Option<usize>,
     ) -> Residuals {
         let paths = self.paths([a.link(self.robot()), b.link(self.robot())]);
-        let mut parameters: [Vec<(usize, Twist)>; 2] = Default::default();
-        let mut dofs: [Vec<(usize, Twist)>; 2] = Default::default();
+        let mut twists: [Vec<(Mover, Twist)>; 2] = Default::default();
         let mut frames = [Frame::identity(); 2];
         for (side, path) in paths.iter().enumerate() {
-            let on_parameter = |quantity, component, twist| {
-                parameters[side].extend(place(quantity, component).map(|at| (at, twist)));
-            };
-            frames[side] = self.walk(path, |dof, twist| dofs[side].push((dof, twist)), on_parameter);
+            frames[side] = self.walk(path, |mover, twist| twists[side].push((mover, twist)));
         }
         let met = self.meeting([a, b], distance, &frames);
         let mut found = Residuals { size: met.size, value: met.apart(distance), ..Residuals::default() };
         for (side, sign) in [(0, 1.0), (1, -1.0)] {
-            let slope = |(at, twist): &(usize, Twist)| {
-                let by = twist.at(&met.points[side]) * sign;
-                (*at, if met.size == 3 { by } else { Vector3::new(met.normal.dot(&by), 0.0, 0.0) })
-            };
-            found.slopes.extend(parameters[side].iter().map(slope));
-            found.by_dof.extend(dofs[side].iter().map(slope));
+            for (mover, twist) in &twists[side] {
+                let slope = || {
+                    let by = twist.at(&met.points[side]) * sign;
+                    if met.size == 3 { by } else { Vector3::new(met.normal.dot(&by), 0.0, 0.0) }
+                };
+                match *mover {
+                    Mover::Dof(dof) => found.by_dof.push((dof, slope())),
+                    Mover::Parameter(quantity, part) => {
+                        found.slopes.extend(place(quantity, part).map(|at| (at, slope())));
+                    }
+                }
+            }
         }
         for radius in met.radii.into_iter().flatten() {
             found.slopes.extend(place(radius, 0).map(|at| (at, Vector3::new(-1.0, 0.0, 0.0))));
@@ -118,37 +120,35 @@ impl Posed<'_> {
     }
 
     fn meeting(&self, features: [&Feature; 2], distance: f64, frames: &[Frame; 2]) -> Meeting {
-        let placed = [0, 1].map(|side| self.placed(features[side], &frames[side]));
-        match &placed {
-            [Placed::Point(p), Placed::Point(q)] => {
-                let (points, radii) = ([*p, *q], [None; 2]);
-                let gap = (p - q).norm();
-                // Points at a distance are on a sphere about each other.
-                let normal = (p - q).try_normalize(0.0).unwrap_or(Vector3::z());
-                let size = if distance == 0.0 { 3 } else { 1 };
-                Meeting { size, points, normal, gap, radii }
-            }
-            [a, b] => {
-                let Gap { distance, normal, points } = gap_between(a, b);
-                let radii = [a.radius(), b.radius()];
-                let shrunk: f64 = radii.iter().flatten().map(|(_, radius)| radius).sum();
-                let radii = radii.map(|radius| radius.map(|(quantity, _)| quantity));
-                Meeting { size: 1, points, normal, gap: distance - shrunk, radii }
-            }
+        let [a, b] = [0, 1].map(|side| self.placed(features[side], &frames[side]));
+        if features.iter().all(|feature| matches!(feature, Feature::Point(..))) {
+            let (points, radii) = ([a.pose.origin, b.pose.origin], [None; 2]);
+            let apart = points[0] - points[1];
+            // Points at a distance are on a sphere about each other.
+            let normal = apart.try_normalize(0.0).unwrap_or(Vector3::z());
+            let size = if distance == 0.0 { 3 } else { 1 };
+            return Meeting { size, points, normal, gap: apart.norm(), radii };
         }
+        let Gap { distance, normal, points } = gap_between(&a, &b);
+        let radii = [a.radius, b.radius];
+        let shrunk: f64 = radii.iter().flatten().map(|radius| self.values()[*radius].number()).sum();
+        Meeting { size: 1, points, normal, gap: distance - shrunk, radii }
     }
 
     fn placed(&self, feature: &Feature, frame: &Frame) -> Placed<'_> {
         let surface = match *feature {
-            Feature::Point(_, p) => return Placed::Point(frame.point(&p)),
+            Feature::Point(_, p) => {
+                let pose = Frame { origin: frame.point(&p), ..Frame::identity() };
+                return Placed { pose, outline: Outline::Point, radius: None };
+            }
             Feature::Surface(surface) => &self.robot().surfaces[surface],
         };
-        let pose = *frame * surface.pose;
-        match &surface.form {
-            Form::Sphere(radius) => Placed::Sphere(pose.origin, *radius, self.values()[*radius].number()),
-            Form::Plane => Placed::Plane(pose),
-            Form::Solid(shape) => Placed::Solid(shape, pose),
-        }
+        let (outline, radius) = match &surface.form {
+            Form::Sphere(radius) => (Outline::Point, Some(*radius)),
+            Form::Plane => (Outline::Plane, None),
+            Form::Solid(shape) => (Outline::Solid(shape), None),
+        };
+        Placed { pose: *frame * surface.pose, outline, radius }
     }
 }
 
@@ -173,58 +173,49 @@ impl Meeting {
     }
 }
 
-/// A feature in the common frame. Spheres count as their centres: their radii are taken off the gap.
-enum Placed<'a> {
-    Point(Vector3<f64>),
-    Sphere(Vector3<f64>, usize, f64),
-    Plane(Frame),
-    Solid(&'a Shape, Frame),
+/// A feature in the common frame. Spheres count as their centres: their radii, quantities, are taken off the gap.
+struct Placed<'a> {
+    pose: Frame,
+    outline: Outline<'a>,
+    radius: Option<usize>,
+}
+
+#[derive(Clone, Copy)]
+enum Outline<'a> {
+    Point,
+    Plane,
+    Solid(&'a Shape),
 }
 
 impl Placed<'_> {
-    fn radius(&self) -> Option<(usize, f64)> {
-        if let Placed::Sphere(_, quantity, radius) = self { Some((*quantity, *radius)) } else { None }
-    }
-
-    /// Its shape and where it is; none of what counts as a point.
-    fn body(&self) -> (Option<&Shape>, Frame) {
-        match self {
-            Placed::Solid(shape, pose) => (Some(shape), *pose),
-            _ => (None, Frame { origin: self.support(&Vector3::zeros()), ..Frame::identity() }),
-        }
-    }
-
     /// Its farthest point in a direction; of a plane, which has none, where it begins.
     fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        match self {
-            Placed::Point(p) | Placed::Sphere(p, ..) => *p,
-            Placed::Plane(pose) => pose.origin,
-            Placed::Solid(shape, pose) => {
-                let local = shape.support(&pose.rotation.tr_mul(direction));
-                local.map_or(pose.origin, |local| pose.point(&local))
-            }
-        }
+        let Outline::Solid(shape) = self.outline else { return self.pose.origin };
+        let local = shape.support(&self.pose.rotation.tr_mul(direction));
+        local.map_or(self.pose.origin, |local| self.pose.point(&local))
     }
 }
 
 /// The gap between two features of which one at least is a surface.
 fn gap_between(a: &Placed, b: &Placed) -> Gap {
-    let point = Shape::Sphere { radius: 0.0 };
-    match (a, b) {
-        (_, Placed::Plane(pose)) => {
-            let normal: Vector3<f64> = pose.rotation.column(2).into();
+    match (a.outline, b.outline) {
+        (_, Outline::Plane) => {
+            let normal: Vector3<f64> = b.pose.rotation.column(2).into();
             let lowest = a.support(&-normal);
-            let distance = normal.dot(&(lowest - pose.origin));
+            let distance = normal.dot(&(lowest - b.pose.origin));
             Gap { distance, normal, points: [lowest, lowest - normal * distance] }
         }
-        (Placed::Plane(_), _) => gap_between(b, a).reversed(),
+        (Outline::Plane, _) => gap_between(b, a).reversed(),
         _ => {
-            let ((a, at_a), (b, at_b)) = (a.body(), b.body());
-            let placed = |shape, at| PlacedShape::new(shape, Frame::identity(), at);
-            match (placed(a.unwrap_or(&point), at_a), placed(b.unwrap_or(&point), at_b)) {
-                (Some(a), Some(b)) => gap(&a, &b, Precision::Exact),
+            let point = Shape::Sphere { radius: 0.0 };
+            let shapes = [a, b].map(|placed| match placed.outline {
+                Outline::Solid(shape) => (shape, placed.pose),
+                _ => (&point, Frame { origin: placed.pose.origin, ..Frame::identity() }),
+            });
+            match shapes.map(|(shape, at)| PlacedShape::new(shape, Frame::identity(), at)) {
+                [Some(a), Some(b)] => gap(&a, &b, Precision::Exact),
                 // A mesh without a hull is nowhere: those who read robots refuse it.
-                _ => Gap { distance: 0.0, normal: Vector3::z(), points: [at_a.origin, at_b.origin] },
+                _ => Gap { distance: 0.0, normal: Vector3::z(), points: shapes.map(|(_, at)| at.origin) },
             }
         }
     }

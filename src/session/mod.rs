@@ -53,6 +53,7 @@ pub use observer::{LearningStep, Observer, Phase};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub use request::SessionRequest;
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};
+pub use robot::simulated;
 pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, apply_known, calibration_table,
     is_mjcf, read_calibration_log, read_robot,

@@ -5,15 +5,13 @@
 //! (`q_true = sign · gain · q + offset + compliance · torque`), radii of spheres. A skin that is mounted nobody knows how,
 //! a tool's point and a receptor are links of their own, carried by elements that nothing moves.
 
-mod from_creature;
 mod naming;
 mod pose;
 mod quantity;
 
 use nalgebra::Vector3;
 
-pub use from_creature::NominalJoint;
-pub use pose::{Posed, Twist};
+pub use pose::{Mover, Posed, Twist};
 pub use quantity::{Knowledge, Quantity, Unit, Value};
 
 use crate::creature::DofKind;
@@ -131,6 +129,9 @@ pub struct Robot {
     pub gravity: Vector3<f64>,
 }
 
+/// How the names of mounts end.
+pub const MOUNT: &str = ".mount";
+
 /// The acceleration of free fall where the root stands upright.
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -186,6 +187,21 @@ impl Robot {
         let turn =
             self.add_quantity(format!("{name}.orientation"), Unit::Radian, Value::Orientation(pose.rotation));
         self.add_link(name, parent, vec![Element::Shift(shift), Element::Turn(turn)])
+    }
+
+    /// Gives every link so far a mount at rest, called after it, that its points are on; none where it has one, or is one.
+    pub fn mount_all(&mut self) {
+        for link in 0..self.links.len() {
+            let name = format!("{}{MOUNT}", self.links[link].name);
+            if self.link(&name).is_none() && !self.links[link].name.ends_with(MOUNT) {
+                self.add_mount(&name, link, Frame::identity());
+            }
+        }
+    }
+
+    /// The link that a log's points on a link of this name are on: the link's mount, or a place itself.
+    pub fn points_of(&self, name: &str) -> Option<usize> {
+        self.link(&format!("{name}{MOUNT}")).or_else(|| self.link(name))
     }
 
     /// Adds a place on a link whose position may be unknown: a tool's point, a receptor.

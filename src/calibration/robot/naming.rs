@@ -2,10 +2,7 @@
 
 use strsim::levenshtein;
 
-use super::{Knowledge, Robot};
-
-/// A sentence about a name that says nothing.
-pub type NamingFault = String;
+use super::{Knowledge, Robot, Value};
 
 impl Robot {
     /// Says what is known of every quantity, or parameter of one, whose name a pattern matches: `elbow.offset`, `*.axis`,
@@ -13,33 +10,26 @@ impl Robot {
     ///
     /// # Errors
     /// Where nothing is called so, with the names that come nearest.
-    pub fn set_knowledge(&mut self, pattern: &str, knowledge: Knowledge) -> Result<(), NamingFault> {
+    pub fn set_knowledge(&mut self, pattern: &str, knowledge: Knowledge) -> Result<(), String> {
         let mut found = false;
         for quantity in &mut self.quantities {
-            let size = quantity.nominal.size();
-            if matches(pattern, &quantity.name) {
-                quantity.knowledge[..size].fill(knowledge);
-                found = true;
-                continue;
-            }
-            let direction = quantity.components() == ["u", "v"];
-            for component in 0..size {
-                if matches(pattern, &quantity.component_name(component)) {
-                    if direction {
-                        return Err(format!(
-                            "{} is one direction: say {pattern} without its last part",
-                            quantity.name
-                        ));
-                    }
-                    quantity.knowledge[component] = knowledge;
-                    found = true;
+            let whole = matches(pattern, &quantity.name);
+            for component in 0..quantity.nominal.size() {
+                if !whole && !matches(pattern, &quantity.component_name(component)) {
+                    continue;
                 }
+                if !whole && matches!(quantity.nominal, Value::Direction(_)) {
+                    let name = &quantity.name;
+                    return Err(format!("{name} is one direction: say {pattern} without its last part"));
+                }
+                quantity.knowledge[component] = knowledge;
+                found = true;
             }
         }
         if found { Ok(()) } else { Err(self.unknown_name(pattern)) }
     }
 
-    fn unknown_name(&self, pattern: &str) -> NamingFault {
+    fn unknown_name(&self, pattern: &str) -> String {
         let mut names: Vec<&str> = self.quantities.iter().map(|quantity| quantity.name.as_str()).collect();
         names.sort_by_key(|name| levenshtein(pattern, name));
         let near = names[..names.len().min(4)].join(", ");
@@ -53,16 +43,8 @@ impl Robot {
 /// Whether a name is of a pattern in which `*` stands for any letters.
 fn matches(pattern: &str, name: &str) -> bool {
     let Some((first, rest)) = pattern.split_once('*') else { return pattern == name };
-    let Some(mut left) = name.strip_prefix(first) else { return false };
-    let mut parts: Vec<&str> = rest.split('*').collect();
-    let last = parts.pop().unwrap_or_default();
-    for part in parts {
-        match left.find(part) {
-            Some(at) => left = &left[at + part.len()..],
-            None => return false,
-        }
-    }
-    left.ends_with(last)
+    let Some(left) = name.strip_prefix(first) else { return false };
+    left.char_indices().map(|(at, _)| at).chain([left.len()]).any(|at| matches(rest, &left[at..]))
 }
 
 #[cfg(test)]

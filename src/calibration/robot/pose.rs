@@ -38,6 +38,15 @@ impl Twist {
     }
 }
 
+/// What moves a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mover {
+    /// A degree of freedom as it is.
+    Dof(usize),
+    /// A parameter of a quantity: which, and which of its parameters.
+    Parameter(usize, usize),
+}
+
 /// A robot at values of its quantities, in a posture as its encoders read it.
 pub struct Posed<'a> {
     robot: &'a Robot,
@@ -89,10 +98,12 @@ impl<'a> Posed<'a> {
         for mass in &robot.masses {
             let path = self.path_from(0, mass.link);
             let mut twists = Vec::new();
-            let frame = self.walk(&path, |dof, twist| twists.push((dof, twist)), |_, _, _| {});
+            let frame = self.walk(&path, |mover, twist| twists.push((mover, twist)));
             let centre = frame.point(&mass.centre);
-            for (dof, twist) in twists {
-                torques[dof] += mass.mass * robot.gravity.dot(&twist.at(&centre));
+            for (mover, twist) in twists {
+                if let Mover::Dof(dof) = mover {
+                    torques[dof] += mass.mass * robot.gravity.dot(&twist.at(&centre));
+                }
             }
         }
         torques
@@ -126,7 +137,7 @@ impl<'a> Posed<'a> {
 
     /// `X_CL` at the end of a path, C where it begins.
     pub fn frame(&self, path: &[usize]) -> Frame {
-        self.walk(path, |_, _| {}, |_, _, _| {})
+        self.walk(path, |_, _| {})
     }
 
     /// `X_RL` of every link in the root's frame.
@@ -138,30 +149,18 @@ impl<'a> Posed<'a> {
         frames
     }
 
-    /// The same as [`Posed::frame`], with how the end moves with each degree of freedom as it is, and with each parameter of
-    /// quantities on the way: a quantity, which of its parameters, and the twist in C.
-    pub fn walk(
-        &self,
-        path: &[usize],
-        mut on_dof: impl FnMut(usize, Twist),
-        mut on_parameter: impl FnMut(usize, usize, Twist),
-    ) -> Frame {
+    /// The same as [`Posed::frame`], with the twist in C by which the end moves with each degree of freedom as it is, and with each
+    /// parameter of quantities on the way.
+    pub fn walk(&self, path: &[usize], mut on: impl FnMut(Mover, Twist)) -> Frame {
         let mut frame = Frame::identity();
-        for &link in path {
-            for element in &self.robot.links[link].elements {
-                self.pass(element, &mut frame, &mut on_dof, &mut on_parameter);
-            }
+        for element in path.iter().flat_map(|link| &self.robot.links[*link].elements) {
+            self.pass(element, &mut frame, &mut on);
         }
         frame
     }
 
-    fn pass(
-        &self,
-        element: &Element,
-        frame: &mut Frame,
-        on_dof: &mut impl FnMut(usize, Twist),
-        on_parameter: &mut impl FnMut(usize, usize, Twist),
-    ) {
+    fn pass(&self, element: &Element, frame: &mut Frame, on: &mut impl FnMut(Mover, Twist)) {
+        let mut on_parameter = |quantity, component, twist| on(Mover::Parameter(quantity, component), twist);
         let column = |frame: &Frame, i: usize| -> Vector3<f64> { frame.rotation.column(i).into() };
         match *element {
             Element::Fixed(pose) => *frame = *frame * pose,
@@ -188,17 +187,11 @@ impl<'a> Posed<'a> {
                 let angle = self.values[quantity].number();
                 frame.rotation *= turn(&Vector3::ith(axis, 1.0), angle);
             }
-            Element::Dof(dof) => self.pass_dof(dof, frame, on_dof, on_parameter),
+            Element::Dof(dof) => self.pass_dof(dof, frame, on),
         }
     }
 
-    fn pass_dof(
-        &self,
-        dof: usize,
-        frame: &mut Frame,
-        on_dof: &mut impl FnMut(usize, Twist),
-        on_parameter: &mut impl FnMut(usize, usize, Twist),
-    ) {
+    fn pass_dof(&self, dof: usize, frame: &mut Frame, on: &mut impl FnMut(Mover, Twist)) {
         let about = &self.robot.dofs[dof];
         let Some(q) = about.quantities else {
             let coordinates = &self.posture[about.coordinate..about.coordinate + 4];
@@ -211,6 +204,7 @@ impl<'a> Posed<'a> {
         let read = self.posture[about.coordinate];
         let number = |quantity: usize| self.values[quantity].number();
         let before = *frame;
+        let mut on_parameter = |quantity, component, twist| on(Mover::Parameter(quantity, component), twist);
         let moved = match about.kind {
             DofKind::Slide => {
                 frame.origin += before.direction(&axis) * amount;
@@ -231,11 +225,11 @@ impl<'a> Posed<'a> {
                 Twist::turning(before.direction(&axis), &before.origin)
             }
         };
-        on_dof(dof, moved);
         on_parameter(q.offset, 0, moved);
         on_parameter(q.gain, 0, moved.scaled(number(q.sign) * read));
         let torque = self.torques.get(dof).copied().unwrap_or(0.0);
         on_parameter(q.compliance, 0, moved.scaled(torque));
+        on(Mover::Dof(dof), moved);
     }
 }
 

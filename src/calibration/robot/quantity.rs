@@ -56,19 +56,6 @@ impl Value {
         }
     }
 
-    /// The value with one of its coordinates that of another value; of a direction or an orientation, which have none of their own,
-    /// all of the other.
-    pub fn with_component_of(&self, other: &Value, component: usize) -> Value {
-        match (self, other) {
-            (Value::Position(at), Value::Position(there)) => {
-                let mut at = *at;
-                at[component] = there[component];
-                Value::Position(at)
-            }
-            _ => *other,
-        }
-    }
-
     /// How far it is from another value of its kind, per coordinate: metres, radians or the quantity's unit. Of directions the
     /// difference as vectors, of orientations the rotation vector from the other.
     pub fn difference(&self, other: &Value) -> Vector3<f64> {

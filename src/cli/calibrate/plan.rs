@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use super::UnknownArguments;
 use crate::calibration::robot::Robot;
-use crate::calibration::simulated::point_touches;
 use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
 use crate::cli::open::{ModelArguments, embodied};
 use crate::cli::{Outcome, output, progress};
 use crate::creature::JointSelection;
+use crate::session::simulated::point_touches;
 use crate::session::{SessionRequest, calibration_table, name_of, read_robot};
 use crate::view::table::Table;
 

@@ -8,7 +8,8 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::{RobotFile, RobotFormat, Written};
-use crate::calibration::robot::{Form, Knowledge, LinkMass, NominalJoint, Quantity, Robot, Unit, Value};
+use crate::calibration::robot::{Element, Form, Knowledge, LinkMass, Quantity, Robot, Unit, Value};
+use crate::creature::Creature;
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
 use crate::model_files::{Edits, Origin};
@@ -137,13 +138,31 @@ fn robot(mut description: serde_json::Value, extras: Extras, bytes: Vec<u8>) -> 
             })?);
         }
         unplaced.extend(joint["name"].as_str().filter(|_| !placed).map(str::to_string));
-        nominal.push(NominalJoint { position: position.unwrap_or_default().into(), axes });
+        nominal.push((Vector3::from(position.unwrap_or_default()), axes));
     }
     let creature = creature_of(description)?;
-    let mut robot = Robot::of_creature(&creature, &nominal);
+    let mut robot = robot_of(&creature, &nominal);
     let says_what_is_open = add_extras(&mut robot, extras)?;
     let read = RobotFile::new(robot, RobotFormat::Json, bytes);
     Ok(RobotFile { creature: Some(creature), unplaced, says_what_is_open, ..read })
+}
+
+/// A robot with a creature's limbs and joints at their positions and axes on their parents, one for each joint. A limb's frame has
+/// the joint that carries it for its origin and, with all joints at zero, its parent's orientation; its points are on a mount of its
+/// own.
+fn robot_of(creature: &Creature, nominal: &[(Vector3<f64>, Vec<Vector3<f64>>)]) -> Robot {
+    let limbs = creature.limbs();
+    let mut robot = Robot::new(creature.name(), limbs[0].clone());
+    for ((joint, (position, axes)), limb) in creature.joints().iter().zip(nominal).zip(&limbs[1..]) {
+        let link = robot.add_place(&joint.name, joint.parent, *position);
+        robot.links[link].name.clone_from(limb);
+        for (dof, axis) in joint.dofs.iter().zip(axes) {
+            let dof = robot.add_dof(&dof.name, dof.kind, dof.range, *axis);
+            robot.links[link].elements.push(Element::Dof(dof));
+        }
+    }
+    robot.mount_all();
+    robot
 }
 
 /// Takes three numbers out of an object, if it has them; `at` is before the field in messages.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::calibration::robot::{Robot, RobotDof};
+use crate::calibration::robot::{MOUNT, Robot, RobotDof};
 use crate::calibration::{Feature, Touch};
 use crate::creature::DofKind;
 
@@ -56,6 +56,6 @@ pub(crate) fn joint_cells(robot: &Robot, posture: &[f64]) -> Vec<String> {
 pub(crate) fn name_of(robot: &Robot, feature: &Feature) -> String {
     match *feature {
         Feature::Surface(surface) => robot.surfaces[surface].name.clone(),
-        Feature::Point(link, _) => robot.links[link].name.trim_end_matches(".mount").to_string(),
+        Feature::Point(link, _) => robot.links[link].name.trim_end_matches(MOUNT).to_string(),
     }
 }

@@ -6,6 +6,7 @@ mod json;
 mod log;
 mod log_writer;
 mod mjcf;
+pub mod simulated;
 mod urdf;
 mod xml_writer;
 

@@ -10,11 +10,11 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::calibration::robot::{Element, Form, Knowledge, LinkMass, Posed, Robot, Unit, Value};
-use crate::calibration::simulated::normal;
 use crate::calibration::{End, Feature, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::geometry::Frame;
 use crate::named::named;
+use crate::session::simulated::normal;
 
 /// What a log is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

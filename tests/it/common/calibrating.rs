@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 
 use bodyschema::calibration::robot::{Posed, Robot, Value};
-use bodyschema::calibration::simulated::normal;
 use bodyschema::calibration::{End, Feature, Touch};
+use bodyschema::session::simulated::normal;
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 use serde_json::Value as Json;

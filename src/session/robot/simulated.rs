@@ -4,9 +4,9 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::robot::{Posed, Robot, Value};
-use super::touch::{End, Feature, Touch};
 use crate::agent::Agent;
+use crate::calibration::robot::{Posed, Robot, Value};
+use crate::calibration::{End, Feature, Touch};
 use crate::creature::{DofKind, Posture, ball};
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
