@@ -62,8 +62,8 @@ pub use export::{to_mjcf, to_urdf};
 // Calibrating a robot by its logged self-contacts.
 pub use calibration::robot::{Knowledge, Quantity, Robot, Value};
 pub use calibration::{
-    Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Objection, Plan,
-    Touch as RobotTouch, folds, judge, objections, plan,
+    Estimator, EstimatorOptions, Fit, Judgement, Objection, Plan, Touch as RobotTouch, folds, judge,
+    objections, plan,
 };
 pub use session::simulated::{add_joint_noise, add_point_noise, misread, point_touches};
 pub use session::{CalibrationLog, RobotFile, calibration_table, read_calibration_log, read_robot};

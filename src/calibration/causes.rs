@@ -30,10 +30,8 @@ use crate::learning::least_squares::Linearization;
 const BELIEVED: f64 = 12.0;
 /// … if what is left falls by this share of its mean square: real touches are never all noise.
 const WORTHWHILE: f64 = 0.1;
-/// Causes of each kind that are fitted for themselves at the most, the likeliest first: where a pattern names them, and where all is
-/// far off.
-const FITTED: usize = 2;
-const FITTED_FROM_AFAR: usize = 5;
+/// Causes of each kind that are fitted for themselves at the most, the likeliest first.
+const FITTED: usize = 5;
 /// An encoder may not follow its joint if what is left along its motion is so many deviations more than elsewhere; …
 const ASTRAY: f64 = 5.0;
 /// … fewer where it reads the same all the time, to this angle or length.
@@ -56,7 +54,7 @@ const OWN: f64 = 1e-6;
 /// What may be wrong with a robot or its log beside what was said to be unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// A quantity that was taken to be known, or nearly so.
+    /// A quantity that was taken to be known.
     Quantity(usize),
     /// A degree of freedom's encoder counts the other way.
     Reversed(usize),
@@ -120,11 +118,6 @@ impl Explanation {
         (columns > 0 && spare > 1.0).then_some(Explanation { cause, evidence, share })
     }
 
-    /// Of a cause that is to be fitted whatever a linear look says.
-    fn unseen(cause: Cause) -> Explanation {
-        Explanation { cause, evidence: 0.0, share: 0.0 }
-    }
-
     /// Whether it is to be believed.
     pub fn stands_out(&self) -> bool {
         self.evidence > BELIEVED && self.share > WORTHWHILE
@@ -159,18 +152,17 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
     // What stayed as it was is as if it had been known.
     let free = |place: &usize| !fit.told.dependent.contains(place) && !fit.told.ties.contains(&vec![*place]);
     let mut fitted = Vec::new();
-    let mut pulled = Vec::new();
     for place in (0..own.len()).filter(free) {
         let (q, component) = own.parameters[place];
         let Some(at) = all.place(q, component) else { continue };
         fitted.push(at);
-        if let (Some(deviation), Some(gain)) = (own.deviation_before(place), fit.pulled(estimator, place)) {
+        // What was said of it is a row.
+        if let Some(deviation) = own.deviation_before(place) {
             let off = own.off(robot, &fit.values, place);
             total.hessian[(at, at)] += deviation.powi(-2);
             total.gradient[at] += off / deviation.powi(2);
             squares += (off / deviation).powi(2);
             equations += 1.0;
-            pulled.push((Cause::Quantity(q), gain));
         }
     }
     let Some(factor) = selected(&total.hessian, &fitted, &fitted).cholesky() else { return Vec::new() };
@@ -200,14 +192,11 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         Some((columns[0].cause, (*next - columns.len()..*next).collect()))
     });
     let left = [equations, equations - fitted.len() as f64];
-    let pulled =
-        pulled.into_iter().filter_map(|(cause, gain)| Explanation::linear(cause, gain / squares, 1, left));
     let looked = known.chain(further).filter_map(|(cause, columns): (Cause, Vec<usize>)| {
         let (gain, columns) = gain(&columns);
         Explanation::linear(cause, gain / squares, columns, left)
     });
-    let mut found: Vec<Explanation> =
-        pulled.chain(looked).chain(dead_encoders(estimator, fit, &seen)).collect();
+    let mut found: Vec<Explanation> = looked.chain(dead_encoders(estimator, fit, &seen)).collect();
     found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     found
 }
@@ -304,38 +293,35 @@ pub fn still_encoders(estimator: &Estimator, fit: &Fit) -> Vec<usize> {
     robot.encoders().map(|(dof, _)| dof).filter(is_still).collect()
 }
 
-/// The explanation that is the likeliest when each is fitted for itself, beside that of encoders that are still; `afar` where what is
-/// left is no small pattern.
+/// The explanation that is the likeliest when each is fitted for itself; encoders that are still, those that may count the other way
+/// and the other convention are tried whatever a linear look says.
 pub fn best_explanation(
     estimator: &Estimator,
     fit: &Fit,
     found: &[Explanation],
     still: &[usize],
-    afar: bool,
 ) -> Option<Explanation> {
     let robot = estimator.robot;
-    let most = if afar { FITTED_FROM_AFAR } else { FITTED };
     let is_still = |cause: Cause| matches!(cause, Cause::Dead(dof) if still.contains(&dof));
     let mut of_kind = HashMap::new();
     let mut chosen: Vec<Explanation> = found.to_vec();
     chosen.retain(|found| {
         let count = of_kind.entry(discriminant(&found.cause)).or_insert(0);
         *count += 1;
-        *count <= most && !is_still(found.cause)
+        *count <= FITTED && !is_still(found.cause)
     });
-    chosen.extend(still.iter().take(most).map(|dof| Explanation::unseen(Cause::Dead(*dof))));
-    if afar {
-        // An encoder that counts the other way is where its own numbers explain most.
-        let mut turned: Vec<usize> = Vec::new();
-        for dof in found.iter().filter_map(|found| found.cause.dof(robot)) {
-            let known = |own: DofQuantities| !robot.quantities[own.sign].is_open();
-            if robot.dofs[dof].quantities.is_some_and(known) && !turned.contains(&dof) {
-                turned.push(dof);
-            }
+    // An encoder that counts the other way is where its own numbers explain most.
+    let mut turned: Vec<usize> = Vec::new();
+    for dof in found.iter().filter_map(|found| found.cause.dof(robot)) {
+        let known = |own: DofQuantities| !robot.quantities[own.sign].is_open();
+        if robot.dofs[dof].quantities.is_some_and(known) && !turned.contains(&dof) {
+            turned.push(dof);
         }
-        let turned = turned.into_iter().take(2 * most).map(Cause::Reversed);
-        chosen.extend(turned.chain([Cause::Convention]).map(Explanation::unseen));
     }
+    let dead = still.iter().take(FITTED).map(|dof| Cause::Dead(*dof));
+    let turned = turned.into_iter().take(2 * FITTED).map(Cause::Reversed);
+    let unseen = dead.chain(turned).chain([Cause::Convention]);
+    chosen.extend(unseen.map(|cause| Explanation { cause, evidence: 0.0, share: 0.0 }));
     // Few touches show as well which is the likeliest.
     let step = estimator.touches().len().div_ceil(REFITTED).max(1);
     let touches: Vec<Touch> = estimator.touches().iter().step_by(step).cloned().collect();

@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::noise::{Groups, Kind, Noise, NoiseSource, Seen};
+use super::noise::{Groups, Kind, Noise, Seen};
 use super::pairing::assigned;
 use super::problem::{Weighing, hold, information};
 use super::robot::{Posed, Robot, Value};
 use super::told::Told;
-use super::touch::{End, Feature, Touch};
+use super::touch::{Feature, Touch};
 use super::unknowns::Unknowns;
 use crate::creature::DofKind;
 
@@ -27,38 +27,18 @@ const FALSE_SHARE_OF_NOISE: f64 = 0.7;
 /// The median of the absolute value of normal noise, over its deviation.
 const NORMAL_MEDIAN: f64 = 0.6745;
 
-/// What noise there may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum JointNoise {
-    /// Encoders are exact.
-    None,
-    /// Of this deviation, radians and metres.
-    Given(f64),
-    /// How much the touches show.
-    Estimated,
-}
-
-/// Whether touches may be false.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FalseTouches {
-    /// None is.
-    None,
-    /// If the touches show it.
-    Maybe,
-}
-
 /// How to calibrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorOptions {
-    /// Noise of encoders.
-    pub joint_noise: JointNoise,
-    /// False touches.
-    pub false_touches: FalseTouches,
+    /// Noise of encoders, a standard deviation in radians and metres; `None` is as much as the touches show.
+    pub joint_noise: Option<f64>,
+    /// Whether touches may be false, if they show it.
+    pub false_touches: bool,
 }
 
 impl Default for EstimatorOptions {
     fn default() -> EstimatorOptions {
-        EstimatorOptions { joint_noise: JointNoise::None, false_touches: FalseTouches::Maybe }
+        EstimatorOptions { joint_noise: Some(0.0), false_touches: true }
     }
 }
 
@@ -76,15 +56,6 @@ pub struct Estimator<'a> {
     held: Vec<usize>,
 }
 
-/// How many starts came to the same signs, and of how many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SignStarts {
-    /// Those that came to what was found.
-    pub agreeing: usize,
-    /// All.
-    pub all: usize,
-}
-
 /// What was found.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -98,8 +69,8 @@ pub struct Fit {
     pub told: Told,
     /// The touches as they are seen at the values: which, who met whom, what is left.
     pub seen: Vec<Seen>,
-    /// How many starts came to the signs of encoders, where these were to be found.
-    pub sign_starts: Option<SignStarts>,
+    /// How many starts came to the signs of encoders, and of how many, where these were to be found.
+    pub sign_starts: Option<[usize; 2]>,
     /// Signs of encoders that the touches do not tell.
     pub untold_signs: Vec<usize>,
 }
@@ -114,23 +85,13 @@ impl Fit {
         let logarithms = self.seen.iter().map(|seen| 0.5 * variance(seen).ln());
         (logarithms.sum::<f64>() / self.seen.len().max(1) as f64).exp()
     }
-
-    /// How far off its nominal value a nearly known parameter would be without what was said of it, in units of how far touches in
-    /// agreement with that would move it, squared: what is left of what was said, as a row that is left out. `None` of others.
-    pub(super) fn pulled(&self, estimator: &Estimator, place: usize) -> Option<f64> {
-        let deviation = estimator.unknowns.deviation_before(place)?;
-        let off = estimator.unknowns.off(estimator.robot, &self.values, place);
-        let determined = 1.0 - self.told.covariance[(place, place)] / deviation.powi(2);
-        Some((off / deviation).powi(2) / determined.max(1e-9))
-    }
 }
 
 impl<'a> Estimator<'a> {
     /// An estimator of a robot's open quantities from touches.
     pub fn new(robot: &'a Robot, touches: &'a [Touch], options: EstimatorOptions) -> Estimator<'a> {
-        let kinds = touches
-            .iter()
-            .flat_map(|touch| pairs(touch).map(move |ends| kind_of(robot, touch.pair(ends), touch.distance)));
+        let kinds =
+            touches.iter().flat_map(|touch| pairs(touch).map(move |ends| kind_of(robot, touch, ends)));
         let groups = Groups::of(kinds);
         let mut estimator =
             Estimator { robot, unknowns: Unknowns::of(robot), touches, groups, options, held: Vec::new() };
@@ -174,7 +135,8 @@ impl<'a> Estimator<'a> {
             let see = |ends: [usize; 2]| {
                 let place = |quantity, component| self.unknowns.place(quantity, component);
                 let residuals = posed.residuals(touch.features(ends), touch.distance, &place);
-                Seen { touch: t, ends, residuals, source: self.source(touch, ends) }
+                let (group, given) = self.source(touch, ends);
+                Seen { touch: t, ends, residuals, group, given }
             };
             self.who_met_whom(touch, &posed, noise).into_iter().map(see).collect::<Vec<_>>()
         };
@@ -188,25 +150,25 @@ impl<'a> Estimator<'a> {
         }
         assigned(a, b, |i, j| {
             let (size, value) = posed.miss(touch.features([i, j]), touch.distance);
-            let variance = noise.variance(self.source(touch, [i, j]));
+            let (group, given) = self.source(touch, [i, j]);
+            let variance = noise.variance(group, given);
             // A pair that is surely false is as good as any other that is.
             (1.0 + value.norm_squared() / (size as f64 * variance)).ln()
         })
     }
 
-    /// Where the noise of a pair of ends comes from. Deviations that were given are what noise there is at the least: what more
-    /// there is, the touches show.
-    fn source(&self, touch: &Touch, ends: [usize; 2]) -> NoiseSource {
-        let ends = touch.pair(ends);
-        let given = ends.iter().filter_map(|end| end.deviation).map(|deviation| deviation.powi(2)).sum();
-        NoiseSource { group: self.groups.group(&kind_of(self.robot, ends, touch.distance)), given }
+    /// The group of a pair of ends, and the variance that was given with them: what noise there is at the least; what more there is,
+    /// the touches show.
+    fn source(&self, touch: &Touch, ends: [usize; 2]) -> (usize, f64) {
+        let given = touch.pair(ends).into_iter().filter_map(|end| end.deviation);
+        (self.groups.group(&kind_of(self.robot, touch, ends)), given.map(|deviation| deviation.powi(2)).sum())
     }
 
     /// Deviations by the medians of what is left, group by group.
     fn typical(&self, seen: &[Seen], before: &Noise) -> Noise {
         let mut noise = before.clone();
         for (group, deviation) in noise.groups.iter_mut().enumerate() {
-            let own = seen.iter().filter(|seen| seen.source.group == group);
+            let own = seen.iter().filter(|seen| seen.group == group);
             let mut sizes: Vec<f64> = own.map(|seen| seen.apart() / seen.size().sqrt()).collect();
             if !sizes.is_empty() {
                 sizes.sort_by(f64::total_cmp);
@@ -240,7 +202,7 @@ impl<'a> Estimator<'a> {
         let alike = self.settled(start, self.noise(1.0, 0.0), false);
         let apart = self.settled(values.clone(), noise.clone(), false);
         let all = if alike.cost < apart.cost { alike } else { apart };
-        if self.options.false_touches == FalseTouches::None {
+        if !self.options.false_touches {
             return all;
         }
         let some = self.settled(values, noise, true);
@@ -282,10 +244,8 @@ impl<'a> Estimator<'a> {
 
     /// Values and noise in turn, until neither changes.
     pub(super) fn settled(&self, mut values: Vec<Value>, mut noise: Noise, with_false: bool) -> Fit {
-        let with_joints = self.options.joint_noise == JointNoise::Estimated;
-        if let JointNoise::Given(deviation) = self.options.joint_noise {
-            noise.joint = deviation;
-        }
+        let with_joints = self.options.joint_noise.is_none();
+        noise.joint = self.options.joint_noise.unwrap_or(noise.joint);
         if with_false {
             let seen = self.seen(&values, &noise);
             noise.false_share = 0.1;
@@ -363,10 +323,11 @@ impl<'a> Estimator<'a> {
     }
 }
 
-/// What a pair of ends at a distance is between.
-fn kind_of(robot: &Robot, ends: [&End; 2], distance: f64) -> Kind {
-    let [a, b] = ends.map(|end| end.feature.link(robot));
-    let meet = distance == 0.0 && ends.iter().all(|end| matches!(end.feature, Feature::Point(..)));
+/// What two of a touch's ends are between.
+fn kind_of(robot: &Robot, touch: &Touch, ends: [usize; 2]) -> Kind {
+    let features = touch.features(ends);
+    let [a, b] = features.map(|feature| feature.link(robot));
+    let meet = touch.distance == 0.0 && features.iter().all(|feature| matches!(feature, Feature::Point(..)));
     (a.min(b), a.max(b), meet)
 }
 

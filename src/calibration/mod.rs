@@ -27,9 +27,9 @@ mod touch;
 mod unknowns;
 
 pub use account::Calibration;
-pub use estimate::{Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, SignStarts};
+pub use estimate::{Estimator, EstimatorOptions, Fit};
 pub use held_out::{FEWEST_HELD_OUT, Judgement, Misses, folds, judge, split};
-pub use noise::{Noise, NoiseSource, Seen};
+pub use noise::{Noise, Seen};
 pub use objections::{Objection, Question, objections};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};

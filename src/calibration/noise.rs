@@ -44,15 +44,6 @@ pub struct Noise {
     pub dead: Option<(usize, f64)>,
 }
 
-/// Which group a residual is of, and what is known of its noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NoiseSource {
-    /// The group, an index into [`Noise::groups`].
-    pub group: usize,
-    /// The variance that was given with its ends, m².
-    pub given: f64,
-}
-
 /// A touch at some values: what is left of it, and what its noise depends on.
 #[derive(Clone, Debug)]
 pub struct Seen {
@@ -62,8 +53,10 @@ pub struct Seen {
     pub ends: [usize; 2],
     /// The residuals.
     pub residuals: Residuals,
-    /// Where their noise comes from.
-    pub source: NoiseSource,
+    /// The group of its noise, an index into [`Noise::groups`].
+    pub group: usize,
+    /// The variance that was given with its ends, m².
+    pub given: f64,
 }
 
 impl Seen {
@@ -113,15 +106,15 @@ impl Noise {
         }
     }
 
-    /// The variance of a residual without what noisy encoders add, m².
-    pub fn variance(&self, source: NoiseSource) -> f64 {
-        (source.given + self.groups[source.group].powi(2)).max(FINEST * FINEST)
+    /// The variance of a residual of a group without what noisy encoders add, with what was given of it, m².
+    pub fn variance(&self, group: usize, given: f64) -> f64 {
+        (given + self.groups[group].powi(2)).max(FINEST * FINEST)
     }
 
     /// The covariance of a residual, the unit beyond its size.
     pub fn covariance(&self, seen: &Seen) -> Matrix3<f64> {
         let ones = seen.ones();
-        let mut covariance = Matrix3::identity() - ones + ones * self.variance(seen.source);
+        let mut covariance = Matrix3::identity() - ones + ones * self.variance(seen.group, seen.given);
         if self.joint > 0.0 {
             covariance += seen.by_joints() * self.joint.powi(2);
         }
@@ -139,7 +132,7 @@ impl Noise {
 
     /// `−log p(r)` of a residual if it is honest, and if it is false.
     fn costs(&self, seen: &Seen) -> [f64; 2] {
-        let width = self.widths[seen.source.group];
+        let width = self.widths[seen.group];
         let of_false = match seen.residuals.size {
             3 => (4.0 / 3.0 * std::f64::consts::PI * width.powi(3)).ln(),
             _ => (2.0 * width).ln(),
@@ -200,7 +193,7 @@ impl Noise {
                     sums[0] += honesty * (pulled * part).trace();
                     sums[1] += honesty * (inverse * part).trace();
                 };
-                let (group, ones) = (seen.source.group, seen.ones());
+                let (group, ones) = (seen.group, seen.ones());
                 add(&mut sums[group], &ones);
                 let own = ((inverse - inverse * taken_up * inverse) * ones).trace();
                 left[group] += honesty * noise.groups[group].powi(2) * own;
@@ -229,7 +222,7 @@ impl Noise {
     /// Sets how far false touches may miss by what is missed now.
     pub fn widen(&mut self, seen: &[Seen]) {
         for (group, width) in self.widths.iter_mut().enumerate() {
-            let own = seen.iter().filter(|seen| seen.source.group == group);
+            let own = seen.iter().filter(|seen| seen.group == group);
             *width = own.map(Seen::apart).fold(0.0, f64::max).max(WIDEST * self.groups[group]).max(FINEST);
         }
     }

@@ -26,12 +26,12 @@ const FEWEST_SPARE: f64 = 10.0;
 const FEWEST_BEARING: f64 = 3.0;
 /// A robot explains its touches if they are apart by less than this share of what touches in others' postures are, …
 const EXPLAINED: f64 = 0.25;
-/// … what is less than this share may be a small pattern, …
-const PATTERN: f64 = 0.05;
-/// … of what is more one cause is believed that explains this share of its mean square, …
-const WHOLE: f64 = 0.9;
+/// … what is less than this share is near the noise, …
+const NEAR: f64 = 0.05;
 /// … and no more of them are false.
 const MOST_FALSE: f64 = 0.4;
+/// Far off, one cause is believed that explains this share of the mean square of what is left.
+const WHOLE: f64 = 0.9;
 /// Of fewer starts that agree, nothing confirms that signs are right.
 const CONFIRMED: usize = 2;
 /// Noise is contradicted where so many times what is said is left.
@@ -112,7 +112,7 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
     }
     found.extend(held_out(judged));
     let far_off = raised(&found, &[Control, Outliers, Signs, Scale, HeldOut]);
-    let near = left_and_random(estimator, fit).is_none_or(|[left, random]| left < PATTERN * random);
+    let near = left_and_random(estimator, fit).is_none_or(|[left, random]| left < NEAR * random);
     let still = still_encoders(estimator, fit);
     let mut causes = explanations(estimator, fit);
     if fit.noise.false_share > 0.0 {
@@ -128,7 +128,7 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
     if found.is_empty() && !suspected && !unmoved {
         return found;
     }
-    let best = best_explanation(estimator, fit, &causes, &still, far_off || !near);
+    let best = best_explanation(estimator, fit, &causes, &still);
     match best.filter(Explanation::stands_out) {
         // Far off, anything explains a little: what is the matter explains the most of it.
         Some(best) if best.share > WHOLE || !(far_off || raised(&found, &[Prior])) => {
@@ -272,13 +272,12 @@ fn outliers(_: &Estimator, fit: &Fit) -> Option<Objection> {
 
 /// Whether the signs of encoders that were found are the best, as far as starts tell.
 fn signs(_: &Estimator, fit: &Fit) -> Option<Objection> {
-    let starts = fit.sign_starts.filter(|starts| starts.agreeing < CONFIRMED)?;
+    let [agreeing, all] = fit.sign_starts.filter(|[agreeing, _]| *agreeing < CONFIRMED)?;
     let sentence = format!(
-        "of {} starts only one came to these signs of encoders, which may be the wrong ones: make more touches, or say signs \
-         that are known (--fix)",
-        starts.all
+        "of {all} starts only one came to these signs of encoders, which may be the wrong ones: make more touches, or say signs \
+         that are known (--fix)"
     );
-    Some(Question::Signs.about(None, [starts.agreeing as f64, starts.all as f64], sentence))
+    Some(Question::Signs.about(None, [agreeing as f64, all as f64], sentence))
 }
 
 /// Whether more is left than the log says that there is noise.
@@ -286,7 +285,7 @@ fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let stated = Noise { groups: vec![0.0; fit.noise.groups.len()], ..fit.noise.clone() };
     let is_stated = |seen: &&Seen| {
         let ends = estimator.touches()[seen.touch].pair(seen.ends);
-        seen.source.given > 0.0
+        seen.given > 0.0
             && ends.iter().all(|end| match end.feature {
                 Feature::Point(link, _) => end.deviation.is_some() || estimator.robot.is_place(link),
                 Feature::Surface(_) => true,
@@ -298,7 +297,7 @@ fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
         let Some(inverse) = stated.covariance(seen).try_inverse() else { continue };
         squares += honesty * value.dot(&(inverse * value));
         left += honesty * value.norm_squared();
-        given += honesty * seen.size() * seen.source.given;
+        given += honesty * seen.size() * seen.given;
     }
     let all: Redundancy = fit.seen.iter().filter(is_stated).map(|seen| fit.redundancy_of(seen)).sum();
     let [rms, said] = [left, given].map(|sum| (sum / all.equations).sqrt());
@@ -317,7 +316,14 @@ fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
 /// Whether what is nearly known is where it was said to be, as far as the touches may have moved it.
 fn prior(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let (robot, unknowns) = (estimator.robot, &estimator.unknowns);
-    let far = |place: usize| Some((place, fit.pulled(estimator, place)?.sqrt()));
+    // How far off it would be without what was said of it, in units of how far touches in agreement with that would move it: what is
+    // left of what was said, as a row that is left out.
+    let far = |place: usize| {
+        let deviation = unknowns.deviation_before(place)?;
+        let determined = 1.0 - fit.told.covariance[(place, place)] / deviation.powi(2);
+        let off = unknowns.off(robot, &fit.values, place).abs() / deviation;
+        Some((place, off / determined.max(1e-9).sqrt()))
+    };
     let worst = (0..unknowns.len()).filter_map(far).max_by(|a, b| a.1.total_cmp(&b.1));
     let (place, off) = worst.filter(|(_, off)| *off > SURE)?;
     let name = unknowns.name(robot, place);

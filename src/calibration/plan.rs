@@ -3,7 +3,7 @@
 //! With the unknowns' covariance `Σ` so far, what touches will be predicted to miss by has the mean square `tr(M Σ)`, where `M` is
 //! the mean of `JᵀJ` over all that could be made. A touch of noise `W⁻¹` takes `tr(S⁻¹ J Σ M Σ Jᵀ)` off it, `S = W⁻¹ + J Σ Jᵀ`
 //! (I-optimality; Fedorov, "Theory of Optimal Experiments", 1972). The touches are chosen one after the other, each the one that
-//! takes off most, and then each is exchanged for a better one as long as there is one.
+//! takes off most.
 //!
 //! How good a choice can be at all is told by shares `w` of touches in its place: `φ(w) = tr(M Σ(w))` is convex, so that from any
 //! shares on no choice of `n` comes below `φ − n (max g − Σ w g)`, where `−n g` is its slope by each (Kiefer and Wolfowitz, "The
@@ -21,10 +21,6 @@ use super::noise::{Noise, Seen};
 use super::problem::information;
 use super::robot::Value;
 
-/// Rounds of exchanges at the most.
-const ROUNDS: usize = 5;
-/// Which share of the mean square an exchange must take off.
-const WORTHWHILE: f64 = 1e-4;
 /// Rounds at the most in which shares are bettered, and how near the best they need to be.
 const SHARE_ROUNDS: usize = 300;
 const NEAR: f64 = 0.02;
@@ -60,30 +56,34 @@ pub struct Plan {
 /// Chooses `count` of the estimator's touches, as they would be at `values` in some noise.
 pub fn plan(estimator: &Estimator, values: &[Value], noise: &Noise, count: usize) -> Plan {
     let candidates = Candidates::new(estimator, values, noise);
-    let mut chosen: Vec<usize> = Vec::new();
     let mut known = Known::new(candidates.before.clone(), &candidates);
-    while chosen.len() < count.min(candidates.touches.len()) {
-        let Some((k, _)) = candidates.best(&known, &chosen) else { break };
-        known = known.with(&candidates, k, 1.0);
-        chosen.push(k);
+    let mut left: Vec<usize> = (0..candidates.touches.len()).collect();
+    let mut touches = Vec::new();
+    while touches.len() < count && !left.is_empty() {
+        let gains: Vec<f64> = left.par_iter().map(|k| candidates.gain(&known, *k)).collect();
+        let most = (0..left.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
+        let k = left.swap_remove(most);
+        let mut covariance = known.covariance.clone();
+        update(&mut covariance, &candidates.touches[k], &candidates.noise[k]);
+        let without = std::mem::replace(&mut known, Known::new(covariance, &candidates));
+        let variances =
+            without.covariance.diagonal().zip_map(&known.covariance.diagonal(), |before, after| {
+                (before / after.max(f64::MIN_POSITIVE)).sqrt()
+            });
+        touches.push(Planned {
+            candidate: candidates.touches[k].touch,
+            gain: without.predicted(&candidates) - known.predicted(&candidates),
+            tells: variances.argmax(),
+        });
     }
-    for _ in 0..ROUNDS {
-        let mut exchanged = false;
-        for place in 0..chosen.len() {
-            let own = chosen[place];
-            let without = known.with(&candidates, own, -1.0);
-            let Some((other, gain)) = candidates.best(&without, &chosen) else { continue };
-            if gain > candidates.gain(&without, own) + WORTHWHILE * known.mean_square(&candidates) {
-                known = without.with(&candidates, other, 1.0);
-                chosen[place] = other;
-                exchanged = true;
-            }
-        }
-        if !exchanged {
-            break;
-        }
+    let predicted = known.predicted(&candidates);
+    Plan {
+        predicted,
+        floor: candidates.floor(touches.len() as f64).sqrt(),
+        at_random: candidates.at_random(predicted.powi(2)),
+        touches,
+        covariance: known.covariance,
     }
-    candidates.in_order(chosen)
 }
 
 /// Touches that could be made.
@@ -125,49 +125,6 @@ impl Candidates {
         spread.try_inverse().map_or(0.0, |inverse| (inverse * seen.taken_up(&known.weighted)).trace())
     }
 
-    /// The touch that takes off most besides those that are chosen, and what.
-    fn best(&self, known: &Known, chosen: &[usize]) -> Option<(usize, f64)> {
-        let gains: Vec<f64> = (0..self.touches.len())
-            .into_par_iter()
-            .map(|k| if chosen.contains(&k) { f64::NEG_INFINITY } else { self.gain(known, k) })
-            .collect();
-        (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).map(|k| (k, gains[k]))
-    }
-
-    /// The touches from the one that takes off most on.
-    fn in_order(&self, mut left: Vec<usize>) -> Plan {
-        let mut known = Known::new(self.before.clone(), self);
-        let mut touches = Vec::new();
-        while !left.is_empty() {
-            let gains: Vec<f64> = left.iter().map(|k| self.gain(&known, *k)).collect();
-            let most = (0..left.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
-            let k = left.swap_remove(most);
-            let without = known;
-            known = without.with(self, k, 1.0);
-            let shrinks = |i: usize| {
-                (without.covariance[(i, i)] / known.covariance[(i, i)].max(f64::MIN_POSITIVE)).sqrt()
-            };
-            let unknowns = 0..without.covariance.nrows();
-            let tells = unknowns.max_by(|a, b| shrinks(*a).total_cmp(&shrinks(*b))).unwrap_or(0);
-            touches.push(Planned {
-                candidate: self.touches[k].touch,
-                gain: without.predicted(self) - known.predicted(self),
-                tells: (tells, shrinks(tells)),
-            });
-        }
-        let predicted = known.predicted(self);
-        Plan {
-            predicted,
-            floor: self.floor(touches.len() as f64).sqrt(),
-            at_random: self.at_random(predicted.powi(2)),
-            touches,
-            covariance: known.covariance,
-        }
-    }
-}
-
-/// What choices of them can come to.
-impl Candidates {
     /// Below this mean square no choice of so many comes.
     fn floor(&self, count: f64) -> f64 {
         let weights: Option<Vec<Matrix3<f64>>> = self.noise.iter().map(|noise| noise.try_inverse()).collect();
@@ -229,13 +186,6 @@ impl Known {
         Known { covariance, weighted }
     }
 
-    /// After a touch more, or with one less where `sign` is −1.
-    fn with(&self, candidates: &Candidates, k: usize, sign: f64) -> Known {
-        let mut covariance = self.covariance.clone();
-        update(&mut covariance, &candidates.touches[k], &(candidates.noise[k] * sign));
-        Known::new(covariance, candidates)
-    }
-
     fn mean_square(&self, candidates: &Candidates) -> f64 {
         candidates.mean.dot(&self.covariance).max(0.0)
     }
@@ -256,7 +206,7 @@ fn before(estimator: &Estimator) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| if i == j { open(i).powi(2) } else { 0.0 })
 }
 
-/// The covariance after a touch more, or with one less where its noise `±W⁻¹` is negative: `Σ − Σ Jᵀ (±W⁻¹ + J Σ Jᵀ)⁻¹ J Σ`.
+/// The covariance after a touch more: `Σ − Σ Jᵀ (W⁻¹ + J Σ Jᵀ)⁻¹ J Σ`.
 fn update(covariance: &mut DMatrix<f64>, seen: &Seen, noise: &Matrix3<f64>) {
     let n = covariance.nrows();
     // Σ Jᵀ, n × 3.

@@ -61,7 +61,7 @@ impl LeastSquares for Problem<'_> {
             let weight = match self.weighing {
                 Weighing::ByNoise => self.noise.weight(&seen),
                 Weighing::FromAfar => {
-                    let variance = self.noise.groups[seen.source.group].powi(2);
+                    let variance = self.noise.groups[seen.group].powi(2);
                     Matrix3::identity() / (variance + seen.apart().powi(2))
                 }
             };

@@ -4,8 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::estimate::{Estimator, Fit, SignStarts};
-use super::robot::{DofQuantities, Posed, Value};
+use super::estimate::{Estimator, Fit};
+use super::robot::{DofQuantities, Knowledge, Posed, Value};
 use crate::creature::DofKind;
 
 /// Touches that signs are looked for by.
@@ -43,10 +43,14 @@ impl Estimator<'_> {
     /// Values with likely signs, and how many starts came to them. Signs are exchanged, one or two at a time, from the nominal ones
     /// and from random ones, as long as touches miss less; the rest is fitted, gains last, for with gains that are free wrong signs
     /// find ways out; then signs are exchanged with all else fitted. Begun anew until the best is found several times.
-    pub fn with_likely_signs(&self, start: Vec<Value>) -> (Vec<Value>, SignStarts) {
+    pub fn with_likely_signs(&self, start: Vec<Value>) -> (Vec<Value>, [usize; 2]) {
         let signs = self.open_signs();
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-        let even = self.robot.with_gains_known();
+        // Where the search is rough, gains are known, and joints do not give way.
+        let mut even = self.robot.clone();
+        for quantity in self.robot.encoders().flat_map(|(_, own)| [own.gain, own.compliance]) {
+            even.quantities[quantity].knowledge = [Knowledge::Known; 3];
+        }
         let even = Estimator::new(&even, self.touches(), self.options());
         let fitted = |mut values: Vec<Value>, exchanged: &[usize]| {
             self.forget(&mut values, exchanged);
@@ -84,7 +88,7 @@ impl Estimator<'_> {
                 found.insert(0, (size, values));
             }
         }
-        let starts = SignStarts { agreeing: agreeing(&found), all };
+        let starts = [agreeing(&found), all];
         let Some((_, values)) = found.into_iter().next() else { return (start, starts) };
         (self.exchanged(values, &one, fitted).1, starts)
     }

@@ -8,8 +8,7 @@ use crate::common::{at_random, repository};
 use bodyschema::agent::Agent;
 use bodyschema::calibration::robot::{Element, Form, Knowledge, Mover, Posed, Robot, Unit, Value};
 use bodyschema::calibration::{
-    End, Estimator, EstimatorOptions, FalseTouches, Feature, Fit, Noise, Seen, Touch, add_places, judge,
-    plan, split,
+    End, Estimator, EstimatorOptions, Feature, Fit, Noise, Seen, Touch, add_places, judge, plan, split,
 };
 use bodyschema::creature::DofKind;
 use bodyschema::geometry::Frame;
@@ -171,7 +170,7 @@ fn false_touches_and_unpaired_contacts_cost_little() {
     let truth = off(&mut robot, 5, false);
     falsify(&mut touches, 0.2, &mut ChaCha8Rng::seed_from_u64(5));
     misread(&robot, &truth, &mut touches);
-    let options = EstimatorOptions { false_touches: FalseTouches::None, ..EstimatorOptions::default() };
+    let options = EstimatorOptions { false_touches: false, ..EstimatorOptions::default() };
     let fit = Estimator::new(&robot, &touches, options).fit();
     assert!(worst(&fit.values, &truth) > 10.0 * clean);
 }

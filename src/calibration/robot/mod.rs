@@ -293,29 +293,6 @@ impl Robot {
         posture
     }
 
-    /// What encoders read where every hinge and slide is at its own zero, by nominal values: `−offset / (sign · gain)`.
-    pub fn reference_posture(&self) -> Vec<f64> {
-        let mut posture = self.zero_posture();
-        for dof in self.leaders() {
-            let Some(q) = dof.quantities else { continue };
-            let [sign, gain, offset] =
-                [q.sign, q.gain, q.offset].map(|q| self.quantities[q].nominal.number());
-            posture[dof.coordinate] = 0.0 - offset / (sign * gain);
-        }
-        posture
-    }
-
-    /// The same robot whose encoders' gains are known, and whose joints do not give way: where a search is rough.
-    pub fn with_gains_known(&self) -> Robot {
-        let mut robot = self.clone();
-        for (_, own) in self.encoders() {
-            for quantity in [own.gain, own.compliance] {
-                robot.quantities[quantity].knowledge = [Knowledge::Known; 3];
-            }
-        }
-        robot
-    }
-
     /// The robot of the same table of Denavit and Hartenberg's numbers by the other convention: θ and d after a and α, or before.
     /// `None` if it is of no such table.
     pub fn of_other_convention(&self) -> Option<Robot> {

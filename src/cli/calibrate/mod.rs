@@ -10,8 +10,8 @@ use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
 use crate::calibration::robot::{Knowledge, Robot};
 use crate::calibration::{
-    Calibration, Estimator, EstimatorOptions, FalseTouches, Fit, JointNoise, Judgement, Touch, add_places,
-    folds, judge, objections, put_on_places, split,
+    Calibration, Estimator, EstimatorOptions, Fit, Judgement, Touch, add_places, folds, judge, objections,
+    put_on_places, split,
 };
 use crate::session::{
     RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
@@ -217,13 +217,11 @@ impl NoiseArguments {
     fn options(&self) -> Result<EstimatorOptions, Failure> {
         let degrees = self.joint_noise.parse().ok().filter(|degrees: &f64| degrees.is_finite());
         let joint_noise = match (self.joint_noise.as_str(), degrees) {
-            ("auto", _) => JointNoise::Estimated,
-            (_, Some(0.0)) => JointNoise::None,
-            (_, Some(degrees)) if degrees > 0.0 => JointNoise::Given(degrees.to_radians()),
+            ("auto", _) => None,
+            (_, Some(degrees)) if degrees >= 0.0 => Some(degrees.to_radians()),
             (text, _) => return Err(format!("--joint-noise {text}: give degrees, or auto").into()),
         };
-        let false_touches = if self.false_touches == "no" { FalseTouches::None } else { FalseTouches::Maybe };
-        Ok(EstimatorOptions { joint_noise, false_touches })
+        Ok(EstimatorOptions { joint_noise, false_touches: self.false_touches != "no" })
     }
 }
 

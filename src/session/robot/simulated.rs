@@ -28,7 +28,13 @@ pub fn point_touches(
     creature.couple(&mut zero);
     let own = limb_frames(creature, schema, &zero);
     let nominal = robot.nominal();
-    let mut reference = robot.reference_posture();
+    // What encoders read where every hinge and slide is at its own zero.
+    let mut reference = robot.zero_posture();
+    for dof in robot.leaders() {
+        let Some(q) = dof.quantities else { continue };
+        let [sign, gain, offset] = [q.sign, q.gain, q.offset].map(|q| nominal[q].number());
+        reference[dof.coordinate] = 0.0 - offset / (sign * gain);
+    }
     // Joints that the agent does not move are where their limits let them be.
     for dof in robot.leaders().filter(|dof| dof.kind != DofKind::Ball) {
         if creature.dofs().all(|other| other.name != dof.name) {
