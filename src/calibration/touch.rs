@@ -84,7 +84,7 @@ impl Posed<'_> {
         distance: f64,
         place: &dyn Fn(usize, usize) -> Option<usize>,
     ) -> Residuals {
-        let paths = self.paths([a.link(self.robot()), b.link(self.robot())]);
+        let paths = self.paths([a.link(self.robot), b.link(self.robot)]);
         let mut twists: [Vec<(Mover, Twist)>; 2] = Default::default();
         let mut frames = [Frame::identity(); 2];
         for (side, path) in paths.iter().enumerate() {
@@ -114,7 +114,7 @@ impl Posed<'_> {
 
     /// The residuals alone, and how many they are.
     pub fn miss(&self, [a, b]: [&Feature; 2], distance: f64) -> (usize, Vector3<f64>) {
-        let frames = self.paths([a.link(self.robot()), b.link(self.robot())]).map(|path| self.frame(&path));
+        let frames = self.paths([a.link(self.robot), b.link(self.robot)]).map(|path| self.frame(&path));
         let met = self.meeting([a, b], distance, &frames);
         (met.size, met.apart(distance))
     }
@@ -131,7 +131,7 @@ impl Posed<'_> {
         }
         let Gap { distance, normal, points } = gap_between(&a, &b);
         let radii = [a.radius, b.radius];
-        let shrunk: f64 = radii.iter().flatten().map(|radius| self.values()[*radius].number()).sum();
+        let shrunk: f64 = radii.iter().flatten().map(|radius| self.values[*radius].number()).sum();
         Meeting { size: 1, points, normal, gap: distance - shrunk, radii }
     }
 
@@ -141,7 +141,7 @@ impl Posed<'_> {
                 let pose = Frame { origin: frame.point(&p), ..Frame::identity() };
                 return Placed { pose, outline: Outline::Point, radius: None };
             }
-            Feature::Surface(surface) => &self.robot().surfaces[surface],
+            Feature::Surface(surface) => &self.robot.surfaces[surface],
         };
         let (outline, radius) = match &surface.form {
             Form::Sphere(radius) => (Outline::Point, Some(*radius)),

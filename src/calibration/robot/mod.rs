@@ -149,9 +149,9 @@ impl Robot {
         }
     }
 
-    /// Adds a quantity; its index.
+    /// Adds a quantity of which everything is known; its index.
     pub fn add_quantity(&mut self, name: impl Into<String>, unit: Unit, nominal: Value) -> usize {
-        self.quantities.push(Quantity::known(name, unit, nominal));
+        self.quantities.push(Quantity { name: name.into(), unit, nominal, knowledge: [Knowledge::Known; 3] });
         self.quantities.len() - 1
     }
 

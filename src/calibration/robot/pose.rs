@@ -49,8 +49,10 @@ pub enum Mover {
 
 /// A robot at values of its quantities, in a posture as its encoders read it.
 pub struct Posed<'a> {
-    robot: &'a Robot,
-    values: &'a [Value],
+    /// The robot.
+    pub robot: &'a Robot,
+    /// The values of its quantities.
+    pub values: &'a [Value],
     posture: &'a [f64],
     /// Gravity's torque on each degree of freedom, newton metres or newtons; empty where nothing gives way.
     torques: Vec<f64>,
@@ -60,26 +62,16 @@ impl<'a> Posed<'a> {
     /// `posture` holds the encoders' readings: radians, metres of slides, a ball's unit quaternion w x y z.
     pub fn new(robot: &'a Robot, values: &'a [Value], posture: &'a [f64]) -> Posed<'a> {
         let mut posed = Posed { robot, values, posture, torques: Vec::new() };
-        let gives_way = |dof: &DofQuantities| {
-            values[dof.compliance].number() != 0.0 || robot.quantities[dof.compliance].is_open()
+        let gives_way = |(_, own): (usize, DofQuantities)| {
+            values[own.compliance].number() != 0.0 || robot.quantities[own.compliance].is_open()
         };
-        if robot.dofs.iter().filter_map(|dof| dof.quantities.as_ref()).any(gives_way) {
+        if robot.encoders().any(gives_way) {
             posed.torques = vec![0.0; robot.dofs.len()];
             for _ in 0..SAGGING_ROUNDS {
                 posed.torques = posed.gravity_torques();
             }
         }
         posed
-    }
-
-    /// The robot.
-    pub fn robot(&self) -> &'a Robot {
-        self.robot
-    }
-
-    /// The values that its quantities have.
-    pub fn values(&self) -> &'a [Value] {
-        self.values
     }
 
     /// A hinge's angle or a slide's distance as it is: what its encoder reads put right.

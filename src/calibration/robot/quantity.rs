@@ -137,11 +137,6 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// A quantity of which everything is known.
-    pub fn known(name: impl Into<String>, unit: Unit, nominal: Value) -> Quantity {
-        Quantity { name: name.into(), unit, nominal, knowledge: [Knowledge::Known; 3] }
-    }
-
     /// Whether any of its parameters is to be found.
     pub fn is_open(&self) -> bool {
         self.knowledge[..self.nominal.size()].iter().any(|knowledge| *knowledge != Knowledge::Known)
