@@ -3,7 +3,7 @@
 //! A robot is one arm or two of four to six hinges by Denavit and Hartenberg's numbers, whose encoders are off by up to 5° and
 //! whose offsets are to be found. Its log is of one kind of data, and has at most one fault.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Rotation3, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
@@ -98,8 +98,9 @@ pub struct Made {
 const ROWS: usize = 90;
 /// Postures for each row from which a touch is looked for, at the most.
 const ATTEMPTS: usize = 100;
-/// Links' lengths, joints' ranges and greatest offsets, metres and radians.
+/// Links' lengths, where points of a hand are, joints' ranges and greatest offsets, metres and radians.
 const LENGTHS: [f64; 2] = [0.08, 0.3];
+const HAND: f64 = 0.06;
 const RANGE: f64 = 1.3;
 const OFF: f64 = 0.09;
 /// How differently a hand sags for a joint that gives way at the least, metres.
@@ -126,36 +127,36 @@ impl Made {
             if data == Data::SelfTouch { &[("left", 0.15), ("right", -0.15)] } else { &[("arm", 0.0)] };
         let hands: Vec<usize> = sides.iter().map(|(side, y)| add_arm(&mut robot, side, *y, rng)).collect();
         robot.mount_all();
-        let body = match fault {
-            Fault::Convention => robot.of_other_convention().unwrap_or_else(|| robot.clone()),
-            _ => robot.clone(),
-        };
+        let body = as_it_is(&robot, fault);
         let surroundings = surroundings(&mut robot, (&body, hands[0]), data, rng);
         let mut made = Made { truth: robot.nominal(), touches: Vec::new(), faulty: None, robot };
         made.misplace(data, &surroundings, rng);
-        // What turns all of a robot looks like surroundings that are turned.
-        let may_be = |dof: &usize| match fault {
-            Fault::Offset => !made.robot.dofs[*dof].name.ends_with("_j1"),
-            Fault::Compliance => made.gives_way(
-                *dof,
-                hands[usize::from(made.robot.dofs[*dof].name.starts_with("right"))],
-                seed,
-            ),
-            _ => true,
+        let may_be = |dof: &usize| {
+            let name = &made.robot.dofs[*dof].name;
+            match fault {
+                // What turns all of a robot looks like surroundings that are turned.
+                Fault::Offset => !name.ends_with("_j1"),
+                Fault::Compliance => {
+                    made.gives_way(*dof, hands[usize::from(name.starts_with("right"))], seed)
+                }
+                _ => true,
+            }
         };
         let dofs: Vec<usize> = (0..made.robot.dofs.len()).filter(may_be).collect();
         let dof = dofs.get(rng.random_range(0..dofs.len().max(1))).copied().unwrap_or_default();
         made.spoil(fault, dof, rng);
         let noise = 10f64.powf(rng.random_range(-3.6..-3.0));
-        let said = rng.random_bool(0.5) || fault == Fault::WrongStd;
-        let stated = said.then_some(noise * if fault == Fault::WrongStd { 0.25 } else { 1.0 });
+        let is_said = rng.random_bool(0.5) || fault == Fault::WrongStd;
+        let said = noise * if fault == Fault::WrongStd { 0.25 } else { 1.0 };
         made.log(data, (&hands, &surroundings), fault, [noise, rng.random_range(0.3..0.7)], rng)?;
         for end in made.touches.iter_mut().flat_map(|touch| &mut touch.ends).flatten() {
             // One side is measured, or both alike.
-            let measured = data == Data::SelfTouch
-                || is_of(&end.feature, &hands, &made.robot) == (data != Data::Tracker);
-            let share = if data == Data::SelfTouch { 0.5f64.sqrt() } else { 1.0 };
-            end.deviation = stated.map(|std| if measured { share * std } else { 0.0 });
+            let of_hand = hands.contains(&end.feature.link(&made.robot));
+            let share = match data {
+                Data::SelfTouch => 0.5f64.sqrt(),
+                _ => f64::from(u8::from(of_hand == (data != Data::Tracker))),
+            };
+            end.deviation = is_said.then_some(share * said);
         }
         made.spoil_log(fault, dof, rng);
         Some(made)
@@ -164,22 +165,18 @@ impl Made {
     /// Puts encoders off, and what stands about where nobody knows exactly; says what is to be found.
     fn misplace(&mut self, data: Data, surroundings: &[Feature], rng: &mut impl Rng) {
         let free = data == Data::Tracker || (data == Data::Place && rng.random_bool(0.5));
-        for (k, q) in self.robot.dofs.iter().filter_map(|dof| dof.quantities).enumerate() {
-            // What turns all of a robot looks like surroundings that are turned.
-            if !(free && k == 0) {
-                self.truth[q.offset] = Value::Number(rng.random_range(-OFF..OFF));
-                self.robot.quantities[q.offset].knowledge[0] = Knowledge::Free;
-            }
+        // What turns all of a robot looks like surroundings that are turned.
+        let offsets: Vec<usize> =
+            self.robot.encoders().skip(usize::from(free)).map(|(_, q)| q.offset).collect();
+        for offset in offsets {
+            self.truth[offset] = Value::Number(rng.random_range(-OFF..OFF));
+            self.robot.quantities[offset].knowledge[0] = Knowledge::Free;
         }
-        if !free {
-            return;
-        }
-        for feature in surroundings {
+        for feature in surroundings.iter().filter(|_| free) {
             for element in self.robot.links[feature.link(&self.robot)].elements.clone() {
                 let (Element::Shift(q) | Element::Turn(q)) = element else { continue };
                 let size = if self.robot.quantities[q].unit == Unit::Metre { MISPLACED } else { TURNED };
-                let step: [f64; 3] = std::array::from_fn(|_| rng.random_range(-size..size));
-                self.robot.quantities[q].nominal = self.truth[q].stepped(&step);
+                self.robot.quantities[q].nominal = self.truth[q].stepped(point(size, rng).as_slice());
                 self.robot.quantities[q].knowledge = [Knowledge::Free; 3];
             }
         }
@@ -192,9 +189,10 @@ impl Made {
         let mut soft = self.truth.clone();
         soft[q.compliance] = Value::Number(0.01);
         let by = |_| {
-            let posture: Vec<f64> = self.robot.dofs.iter().map(|_| rng.random_range(-RANGE..RANGE)).collect();
-            let at = |values: &[Value]| Posed::new(&self.robot, values, &posture).frames()[hand].origin;
-            (at(&soft) - at(&self.truth)).norm()
+            let posture = posture(&self.robot, RANGE, &mut rng);
+            let [soft, stiff] =
+                [&soft, &self.truth].map(|values| hand_at(&self.robot, values, &posture, hand));
+            (soft - stiff).norm()
         };
         let moves: Vec<f64> = (0..30).map(by).collect();
         let mean = moves.iter().sum::<f64>() / moves.len() as f64;
@@ -204,32 +202,24 @@ impl Made {
     /// What is wrong with the robot.
     fn spoil(&mut self, fault: Fault, dof: usize, rng: &mut impl Rng) {
         let Some(q) = self.robot.dofs[dof].quantities else { return };
-        let name = self.robot.dofs[dof].name.clone();
-        let either = |size: f64, rng: &mut dyn FnMut() -> bool| if rng() { size } else { -size };
         let size = rng.random_range(0.0..1.0);
-        let mut toss = || rng.random_bool(0.5);
+        let mut either = |size: f64| if rng.random_bool(0.5) { size } else { -size };
+        let wrong = match fault {
+            Fault::Gain => Some((q.gain, 1.0 + either(0.05 + 0.1 * size))),
+            Fault::Offset => Some((q.offset, either(0.07 + 0.07 * size))),
+            Fault::Sign => Some((q.sign, -1.0)),
+            Fault::Compliance => Some((q.compliance, 0.01 + 0.02 * size)),
+            _ => None,
+        };
+        if let Some((quantity, number)) = wrong {
+            self.truth[quantity] = Value::Number(number);
+            self.robot.quantities[quantity].knowledge[0] = Knowledge::Known;
+        }
         self.faulty = match fault {
-            Fault::Gain => {
-                self.truth[q.gain] = Value::Number(1.0 + either(0.05 + 0.1 * size, &mut toss));
-                Some(name)
-            }
-            Fault::Offset => {
-                self.truth[q.offset] = Value::Number(either(0.07 + 0.07 * size, &mut toss));
-                self.robot.quantities[q.offset].knowledge[0] = Knowledge::Known;
-                Some(name)
-            }
-            Fault::Sign => {
-                self.truth[q.sign] = Value::Number(-1.0);
-                Some(name)
-            }
-            Fault::Compliance => {
-                self.truth[q.compliance] = Value::Number(0.01 + 0.02 * size);
-                Some(name)
-            }
-            Fault::DeadEncoder => Some(name),
             Fault::Convention => Some("convention".into()),
             Fault::SlippedMount => Some("mount".into()),
-            _ => None,
+            Fault::DeadEncoder => Some(self.robot.dofs[dof].name.clone()),
+            _ => wrong.map(|_| self.robot.dofs[dof].name.clone()),
         };
     }
 
@@ -242,12 +232,9 @@ impl Made {
         [noise, slips]: [f64; 2],
         rng: &mut ChaCha8Rng,
     ) -> Option<()> {
-        let robot = match fault {
-            Fault::Convention => self.robot.of_other_convention().unwrap_or_else(|| self.robot.clone()),
-            _ => self.robot.clone(),
-        };
+        let robot = as_it_is(&self.robot, fault);
         let mut truth = self.truth.clone();
-        let tips: Vec<Vector3<f64>> = (0..3).map(|_| point(0.06, rng)).collect();
+        let tips: Vec<Vector3<f64>> = (0..3).map(|_| point(HAND, rng)).collect();
         let rows = match (fault, data) {
             (Fault::FewRows, Data::Plate) => 6,
             (Fault::FewRows, _) => 3,
@@ -263,28 +250,25 @@ impl Made {
                 let by = Rotation3::new(point(TAU, rng)) * Vector3::x() * rng.random_range(8e-3..15e-3);
                 truth[position] = truth[position].stepped(by.as_slice());
             }
-            let tip = Feature::Point(
-                hands[0],
-                if data == Data::SelfTouch { point(0.06, rng) } else { tips[k % 3] },
-            );
+            let tip = if data == Data::SelfTouch { point(HAND, rng) } else { tips[k % 3] };
             let other = match data {
-                Data::SelfTouch => Feature::Point(hands[1], point(0.06, rng)),
+                Data::SelfTouch => Feature::Point(hands[1], point(HAND, rng)),
                 _ => surroundings[rng.random_range(0..surroundings.len())],
             };
-            let posture: Vec<f64> = robot.dofs.iter().map(|_| rng.random_range(-RANGE..RANGE)).collect();
+            let posture = posture(&robot, RANGE, rng);
             let off = Vector3::from_fn(|_, _| noise * normal(rng));
-            let ends = |a, b| [a, b].map(|feature| vec![End { feature, deviation: None }]);
-            let touch = if data == Data::Tracker {
+            let met = if data == Data::Tracker {
                 let posed = Posed::new(&robot, &truth, &posture);
-                let frames = posed.frames();
-                let at = frames[hands[0]].point(&point_of(&tip));
-                let seen = frames[other.link(&robot)].inverse_point(&at) + off;
-                Some((posture, ends(tip, Feature::Point(other.link(&robot), seen))))
+                let (frames, tracker) = (posed.frames(), other.link(&robot));
+                let seen = frames[tracker].inverse_point(&frames[hands[0]].point(&tip)) + off;
+                Some((posture, Feature::Point(tracker, seen)))
             } else {
-                meeting(&robot, &truth, posture, [&tip, &other], off)
-                    .map(|posture| (posture, ends(tip, other)))
+                meeting(&robot, &truth, posture, [&Feature::Point(hands[0], tip), &other], off)
+                    .map(|posture| (posture, other))
             };
-            let Some((posture, ends)) = touch else { continue };
+            let Some((posture, other)) = met else { continue };
+            let ends =
+                [Feature::Point(hands[0], tip), other].map(|feature| vec![End { feature, deviation: None }]);
             self.touches.push(Touch { line: k + 2, posture, ends, distance: 0.0, time: None });
         }
         None
@@ -292,22 +276,21 @@ impl Made {
 
     /// What is wrong with the log.
     fn spoil_log(&mut self, fault: Fault, dof: usize, rng: &mut ChaCha8Rng) {
+        let honest = self.touches.clone();
         match fault {
             Fault::DeadEncoder => {
                 let read = rng.random_range(-0.5..0.5);
                 self.touches.iter_mut().for_each(|touch| touch.posture[dof] = read);
             }
             Fault::Outliers => {
-                let honest = self.touches.clone();
-                for touch in self.touches.iter_mut() {
+                for touch in &mut self.touches {
                     if rng.random_bool(0.1) {
                         touch.posture.clone_from(&honest[rng.random_range(0..honest.len())].posture);
                     }
                 }
             }
             Fault::Copies => {
-                let once = self.touches.clone();
-                (0..rng.random_range(2..12)).for_each(|_| self.touches.extend_from_slice(&once));
+                (0..rng.random_range(2..12)).for_each(|_| self.touches.extend_from_slice(&honest));
                 drop_repeats(&mut self.touches);
             }
             _ => {}
@@ -315,16 +298,23 @@ impl Made {
     }
 }
 
-fn is_of(feature: &Feature, hands: &[usize], robot: &Robot) -> bool {
-    hands.contains(&feature.link(robot))
-}
-
-fn point_of(feature: &Feature) -> Vector3<f64> {
-    if let Feature::Point(_, point) = feature { *point } else { Vector3::zeros() }
+/// The robot whose touches are logged.
+fn as_it_is(robot: &Robot, fault: Fault) -> Robot {
+    let other = (fault == Fault::Convention).then(|| robot.of_other_convention()).flatten();
+    other.unwrap_or_else(|| robot.clone())
 }
 
 fn point(size: f64, rng: &mut impl Rng) -> Vector3<f64> {
     Vector3::from_fn(|_, _| rng.random_range(-size..size))
+}
+
+fn posture(robot: &Robot, range: f64, rng: &mut impl Rng) -> Vec<f64> {
+    robot.dofs.iter().map(|_| rng.random_range(-range..range)).collect()
+}
+
+/// Where a hand is.
+fn hand_at(robot: &Robot, values: &[Value], posture: &[f64], hand: usize) -> Vector3<f64> {
+    Posed::new(robot, values, posture).frames()[hand].origin
 }
 
 /// Adds an arm; the link of its hand's points.
@@ -333,32 +323,31 @@ fn add_arm(robot: &mut Robot, side: &str, y: f64, rng: &mut impl Rng) -> usize {
     let shoulder = Frame { rotation: turn, origin: Vector3::new(0.0, y, 0.3) };
     let mut link = robot.add_link(format!("{side}_base"), 0, vec![Element::Fixed(shoulder)]);
     let count = rng.random_range(4..=6);
-    for k in 0..count {
-        let name = format!("{side}_j{}", k + 1);
-        let dof =
-            robot.add_dof(&name, DofKind::Hinge, [-std::f64::consts::PI, std::f64::consts::PI], Vector3::z());
+    for k in 1..=count {
+        let name = format!("{side}_j{k}");
+        let dof = robot.add_dof(&name, DofKind::Hinge, [-PI, PI], Vector3::z());
         // Axes are across one another, but for one or two.
-        let across = if rng.random_bool(0.7) || k == 0 { FRAC_PI_2 } else { 0.0 };
+        let across = if rng.random_bool(0.7) || k == 1 { FRAC_PI_2 } else { 0.0 };
         let alpha = if rng.random_bool(0.5) { across } else { -across };
-        let a = rng.random_range(LENGTHS[0]..LENGTHS[1]);
+        let length = rng.random_range(LENGTHS[0]..LENGTHS[1]);
         let numbers = [
             ("d", Unit::Metre, rng.random_range(0.0..0.1)),
-            ("a", Unit::Metre, a),
+            ("a", Unit::Metre, length),
             ("alpha", Unit::Radian, alpha),
             ("beta", Unit::Radian, 0.0),
         ];
-        let [d, a_at, alpha, beta] = numbers
+        let [d, a, alpha, beta] = numbers
             .map(|(what, unit, x)| robot.add_quantity(format!("{name}.{what}"), unit, Value::Number(x)));
         let elements = vec![
             Element::Dof(dof),
             Element::ShiftAlong(2, d),
-            Element::ShiftAlong(0, a_at),
+            Element::ShiftAlong(0, a),
             Element::TurnAbout(0, alpha),
             Element::TurnAbout(1, beta),
         ];
-        let called = if k + 1 == count { format!("{side}_hand") } else { format!("{side}_l{}", k + 1) };
+        let called = if k == count { format!("{side}_hand") } else { format!("{side}_l{k}") };
         link = robot.add_link(called, link, elements);
-        let centre = Vector3::new(-0.5 * a, 0.0, 0.0);
+        let centre = Vector3::new(-0.5 * length, 0.0, 0.0);
         robot.masses.push(LinkMass { link, mass: rng.random_range(0.5..2.0), centre });
     }
     // Its mount is the one of this name, once all have one.
@@ -375,18 +364,15 @@ fn surroundings(
     match data {
         Data::SelfTouch => Vec::new(),
         Data::Tracker => {
-            let pose = Frame {
-                rotation: Rotation3::new(point(1.0, rng)).into_inner(),
-                origin: Vector3::new(1.5, 0.5, 0.5),
-            };
+            let rotation = Rotation3::new(point(1.0, rng)).into_inner();
+            let pose = Frame { rotation, origin: Vector3::new(1.5, 0.5, 0.5) };
             vec![Feature::Point(robot.add_mount("tracker", 0, pose), Vector3::zeros())]
         }
         Data::Place => (1..=5)
             .map(|k| {
                 // Where the hand can be.
-                let posture: Vec<f64> =
-                    body.dofs.iter().map(|_| rng.random_range(-0.5 * RANGE..0.5 * RANGE)).collect();
-                let at = Posed::new(body, &body.nominal(), &posture).frames()[hand].origin;
+                let posture = posture(body, 0.5 * RANGE, rng);
+                let at = hand_at(body, &body.nominal(), &posture, hand);
                 Feature::Point(robot.add_place(&format!("socket{k}"), 0, at), Vector3::zeros())
             })
             .collect(),
@@ -395,12 +381,11 @@ fn surroundings(
             ("wall", Vector3::x() * 0.3, [0.0, -FRAC_PI_2]),
             ("side", Vector3::y() * 0.25, [FRAC_PI_2, 0.0]),
         ]
-        .into_iter()
         .map(|(name, origin, [roll, pitch])| {
             let rotation = Rotation3::from_euler_angles(roll, pitch, 0.0).into_inner();
             Feature::Surface(robot.add_surface(name, 0, Frame { rotation, origin }, Form::Plane))
         })
-        .collect(),
+        .to_vec(),
     }
 }
 
