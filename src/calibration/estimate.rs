@@ -164,9 +164,10 @@ impl<'a> Estimator<'a> {
         (self.groups.group(&kind_of(self.robot, touch, ends)), given.map(|deviation| deviation.powi(2)).sum())
     }
 
-    /// Deviations by the medians of what is left, group by group.
-    fn typical(&self, seen: &[Seen], before: &Noise) -> Noise {
-        let mut noise = before.clone();
+    /// As much noise as there seems to be at some values, by the medians of what is left, group by group; and so much of encoders.
+    pub(super) fn noise_at(&self, values: &[Value], joint: f64) -> Noise {
+        let mut noise = self.noise(1.0, joint);
+        let seen = self.seen(values, &noise);
         for (group, deviation) in noise.groups.iter_mut().enumerate() {
             let own = seen.iter().filter(|seen| seen.group == group);
             let mut sizes: Vec<f64> = own.map(|seen| seen.apart() / seen.size().sqrt()).collect();
@@ -183,7 +184,7 @@ impl<'a> Estimator<'a> {
         let mut values = start;
         let mut noise = self.noise(1.0, 0.0);
         for _ in 0..APPROACHES {
-            let next = self.typical(&self.seen(&values, &noise), &noise);
+            let next = self.noise_at(&values, 0.0);
             let settled = next.groups.iter().zip(&noise.groups).all(|(a, b)| (a / b - 1.0).abs() < 0.02);
             noise = next;
             if settled {
@@ -236,12 +237,6 @@ impl<'a> Estimator<'a> {
         values
     }
 
-    /// As much noise as there seems to be at some values, and so much of encoders.
-    pub(super) fn noise_at(&self, values: &[Value], joint: f64) -> Noise {
-        let noise = self.noise(1.0, joint);
-        self.typical(&self.seen(values, &noise), &noise)
-    }
-
     /// Values and noise in turn, until neither changes.
     pub(super) fn settled(&self, mut values: Vec<Value>, mut noise: Noise, with_false: bool) -> Fit {
         let with_joints = self.options.joint_noise.is_none();
@@ -260,7 +255,7 @@ impl<'a> Estimator<'a> {
                 let seen = self.seen(&values, &noise);
                 let told = Told::by(&self.information(&seen, &noise, true));
                 noise = noise.estimated(&seen, &told.covariance, with_joints, with_false);
-                let now = self.cost_of(&self.seen(&values, &noise), &values, &noise);
+                let now = self.cost_of(&seen, &values, &noise);
                 let settled = (cost - now).abs() < SETTLED;
                 cost = now;
                 if settled || !now.is_finite() {

@@ -251,7 +251,7 @@ pub type Kind = (usize, usize, bool);
 /// be as noisy as the most frequent ones.
 #[derive(Clone, Debug)]
 pub struct Groups {
-    of_many: Vec<Kind>,
+    of_many: BTreeMap<Kind, usize>,
     /// The group of all others.
     rest: usize,
 }
@@ -263,16 +263,16 @@ impl Groups {
         kinds.for_each(|kind| *counts.entry(kind).or_insert(0) += 1);
         let most = counts.iter().max_by_key(|(_, count)| **count).map(|(kind, _)| *kind);
         let few: usize = counts.values().filter(|count| **count < FEW).sum();
-        let of_many: Vec<Kind> =
-            counts.into_iter().filter(|(_, count)| *count >= FEW).map(|(kind, _)| kind).collect();
-        let most = of_many.iter().position(|kind| Some(*kind) == most);
-        let rest = most.filter(|_| few < FEW).unwrap_or(of_many.len());
-        Groups { of_many, rest }
+        let many = counts.into_iter().filter(|(_, count)| *count >= FEW);
+        let of_many: BTreeMap<Kind, usize> =
+            many.enumerate().map(|(group, (kind, _))| (kind, group)).collect();
+        let most = most.filter(|_| few < FEW).and_then(|kind| of_many.get(&kind).copied());
+        Groups { rest: most.unwrap_or(of_many.len()), of_many }
     }
 
     /// The group of a kind.
     pub fn group(&self, kind: &Kind) -> usize {
-        self.of_many.iter().position(|other| other == kind).unwrap_or(self.rest)
+        self.of_many.get(kind).copied().unwrap_or(self.rest)
     }
 
     /// How many there are.

@@ -18,13 +18,18 @@ pub enum Value {
 }
 
 impl Value {
+    /// What its parameters are called, one by one.
+    pub fn parts(&self) -> &'static [&'static str] {
+        match self {
+            Value::Position(_) | Value::Orientation(_) => &["x", "y", "z"],
+            Value::Direction(_) => &["u", "v"],
+            Value::Number(_) => &[""],
+        }
+    }
+
     /// How many parameters it has.
     pub fn size(&self) -> usize {
-        match self {
-            Value::Position(_) | Value::Orientation(_) => 3,
-            Value::Direction(_) => 2,
-            Value::Number(_) => 1,
-        }
+        self.parts().len()
     }
 
     /// The vector of a position or a direction.
@@ -142,18 +147,9 @@ impl Quantity {
         self.knowledge[..self.nominal.size()].iter().any(|knowledge| *knowledge != Knowledge::Known)
     }
 
-    /// What its parameters are called, one by one.
-    pub fn components(&self) -> &'static [&'static str] {
-        match self.nominal {
-            Value::Position(_) | Value::Orientation(_) => &["x", "y", "z"],
-            Value::Direction(_) => &["u", "v"],
-            Value::Number(_) => &[""],
-        }
-    }
-
     /// The name of one of its parameters.
     pub fn component_name(&self, component: usize) -> String {
-        match self.components()[component] {
+        match self.nominal.parts()[component] {
             "" => self.name.clone(),
             part => format!("{}.{part}", self.name),
         }
