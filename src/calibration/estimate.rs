@@ -254,7 +254,7 @@ impl<'a> Estimator<'a> {
                 values = self.descend(values, (&noise, Weighing::ByNoise), &held, 1e-9);
                 let seen = self.seen(&values, &noise);
                 let told = Told::by(&self.information(&seen, &noise, true));
-                noise = noise.estimated(&seen, &told.covariance, with_joints, with_false);
+                noise = noise.estimated(&seen, &told.covariance, with_joints);
                 let now = self.cost_of(&seen, &values, &noise);
                 let settled = (cost - now).abs() < SETTLED;
                 cost = now;

@@ -165,15 +165,8 @@ impl Noise {
     }
 
     /// The noise of greatest restricted likelihood for residuals with what is known after them: `covariance` of the
-    /// parameters takes account of what they took up. `with_joints` says whether encoders are noisy, too, `with_false` whether
-    /// touches may be false.
-    pub fn estimated(
-        &self,
-        seen: &[Seen],
-        covariance: &DMatrix<f64>,
-        with_joints: bool,
-        with_false: bool,
-    ) -> Noise {
+    /// parameters takes account of what they took up. `with_joints` says whether encoders are noisy, too.
+    pub fn estimated(&self, seen: &[Seen], covariance: &DMatrix<f64>, with_joints: bool) -> Noise {
         let mut noise = self.clone();
         let rows: Vec<(&Seen, Matrix3<f64>, f64)> =
             seen.iter().map(|seen| (seen, seen.taken_up(covariance), self.honesty(seen))).collect();
@@ -212,7 +205,7 @@ impl Noise {
             }
             noise.joint *= share(joints).sqrt();
         }
-        if with_false {
+        if noise.false_share > 0.0 {
             let of_false = rows.iter().map(|(.., honesty)| 1.0 - honesty).sum::<f64>();
             noise.false_share = (of_false / rows.len() as f64).clamp(1e-6, 0.6);
         }

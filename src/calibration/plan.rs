@@ -10,7 +10,7 @@
 //! Equivalence of Two Extremum Problems", 1960). The shares are multiplied by `√g` until that is near (Silvey, Titterington and
 //! Torsney, "An Algorithm for Optimal Designs on a Finite Design Space", 1978).
 
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, DVector, Matrix3};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -56,33 +56,36 @@ pub struct Plan {
 /// Chooses `count` of the estimator's touches, as they would be at `values` in some noise.
 pub fn plan(estimator: &Estimator, values: &[Value], noise: &Noise, count: usize) -> Plan {
     let candidates = Candidates::new(estimator, values, noise);
-    let mut known = Known::new(candidates.before.clone(), &candidates);
+    let mut covariance = candidates.before.clone();
     let mut left: Vec<usize> = (0..candidates.touches.len()).collect();
     let mut touches = Vec::new();
     while touches.len() < count && !left.is_empty() {
-        let gains: Vec<f64> = left.par_iter().map(|k| candidates.gain(&known, *k)).collect();
+        let weighted = &covariance * &candidates.mean * &covariance;
+        // What a touch takes off the mean square.
+        let gain = |k: &usize| {
+            let seen = &candidates.touches[*k];
+            let spread = candidates.noise[*k] + seen.taken_up(&covariance);
+            spread.try_inverse().map_or(0.0, |inverse| (inverse * seen.taken_up(&weighted)).trace())
+        };
+        let gains: Vec<f64> = left.par_iter().map(gain).collect();
         let most = (0..left.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
         let k = left.swap_remove(most);
-        let mut covariance = known.covariance.clone();
+        let without = covariance.clone();
         update(&mut covariance, &candidates.touches[k], &candidates.noise[k]);
-        let without = std::mem::replace(&mut known, Known::new(covariance, &candidates));
-        let variances =
-            without.covariance.diagonal().zip_map(&known.covariance.diagonal(), |before, after| {
-                (before / after.max(f64::MIN_POSITIVE)).sqrt()
-            });
+        let ratio = |before: f64, after: f64| (before / after.max(f64::MIN_POSITIVE)).sqrt();
         touches.push(Planned {
             candidate: candidates.touches[k].touch,
-            gain: without.predicted(&candidates) - known.predicted(&candidates),
-            tells: variances.argmax(),
+            gain: candidates.mean_square(&without).sqrt() - candidates.mean_square(&covariance).sqrt(),
+            tells: without.diagonal().zip_map(&covariance.diagonal(), ratio).argmax(),
         });
     }
-    let predicted = known.predicted(&candidates);
+    let reached = candidates.mean_square(&covariance);
     Plan {
-        predicted,
+        predicted: reached.sqrt(),
         floor: candidates.floor(touches.len() as f64).sqrt(),
-        at_random: candidates.at_random(predicted.powi(2)),
+        at_random: candidates.at_random(reached),
         touches,
-        covariance: known.covariance,
+        covariance,
     }
 }
 
@@ -94,16 +97,8 @@ struct Candidates {
     noise: Vec<Matrix3<f64>>,
     /// `M`, the mean of `JᵀJ`.
     mean: DMatrix<f64>,
-    /// What is known of the unknowns before.
+    /// What is known of the unknowns before: what is nearly known, and of what is free that it is not beyond all measure.
     before: DMatrix<f64>,
-}
-
-/// What is known of the unknowns.
-struct Known {
-    /// `Σ`.
-    covariance: DMatrix<f64>,
-    /// `Σ M Σ`.
-    weighted: DMatrix<f64>,
 }
 
 impl Candidates {
@@ -111,18 +106,20 @@ impl Candidates {
         let mut touches = estimator.seen(values, noise);
         touches.dedup_by_key(|seen| seen.touch);
         let covariances = touches.iter().map(|seen| noise.covariance(seen)).collect();
-        let before = before(estimator);
-        let share = 1.0 / touches.len() as f64;
-        let mean =
-            information(before.nrows(), touches.iter().map(|seen| (seen, Matrix3::identity() * share)));
+        let unknowns = &estimator.unknowns;
+        let variance = |place: usize| {
+            let open = unknowns.open_deviation(estimator.robot, place);
+            unknowns.deviation_before(place).unwrap_or(open).powi(2)
+        };
+        let before = DMatrix::from_diagonal(&DVector::from_fn(unknowns.len(), |place, _| variance(place)));
+        let share = Matrix3::identity() / touches.len() as f64;
+        let mean = information(unknowns.len(), touches.iter().map(|seen| (seen, share)));
         Candidates { touches, noise: covariances, mean, before }
     }
 
-    /// What a touch takes off the mean square.
-    fn gain(&self, known: &Known, k: usize) -> f64 {
-        let seen = &self.touches[k];
-        let spread = self.noise[k] + seen.taken_up(&known.covariance);
-        spread.try_inverse().map_or(0.0, |inverse| (inverse * seen.taken_up(&known.weighted)).trace())
+    /// By how much the touches are predicted to miss where so much is known: the mean square, m².
+    fn mean_square(&self, covariance: &DMatrix<f64>) -> f64 {
+        self.mean.dot(covariance).max(0.0)
     }
 
     /// Below this mean square no choice of so many comes.
@@ -138,16 +135,16 @@ impl Candidates {
             let shared = shared.map(|((seen, weight), share)| (seen, weight * (share * count)));
             let told = &told_before + information(self.before.nrows(), shared);
             let Some(covariance) = told.try_inverse() else { break };
-            let known = Known::new(covariance, self);
+            let weighted = &covariance * &self.mean * &covariance;
             let slopes: Vec<f64> = self
                 .touches
                 .par_iter()
                 .zip(&weights)
-                .map(|(seen, weight)| (weight * seen.taken_up(&known.weighted)).trace().max(0.0))
+                .map(|(seen, weight)| (weight * seen.taken_up(&weighted)).trace().max(0.0))
                 .collect();
             let mean: f64 = slopes.iter().zip(&shares).map(|(slope, share)| slope * share).sum();
             let most = slopes.iter().copied().fold(0.0, f64::max);
-            let reached = known.mean_square(self);
+            let reached = self.mean_square(&covariance);
             floor = floor.max(reached - count * (most - mean));
             if floor > (1.0 - NEAR) * reached {
                 break;
@@ -170,7 +167,7 @@ impl Candidates {
                 let mut covariance = self.before.clone();
                 let enough = order.iter().position(|&k| {
                     update(&mut covariance, &self.touches[k], &self.noise[k]);
-                    self.mean.dot(&covariance) <= mean_square
+                    self.mean_square(&covariance) <= mean_square
                 });
                 enough.map_or(usize::MAX, |last| last + 1)
             })
@@ -178,32 +175,6 @@ impl Candidates {
         counts.sort_unstable();
         Some(counts[ORDERS / 2]).filter(|count| *count < self.touches.len())
     }
-}
-
-impl Known {
-    fn new(covariance: DMatrix<f64>, candidates: &Candidates) -> Known {
-        let weighted = &covariance * &candidates.mean * &covariance;
-        Known { covariance, weighted }
-    }
-
-    fn mean_square(&self, candidates: &Candidates) -> f64 {
-        candidates.mean.dot(&self.covariance).max(0.0)
-    }
-
-    /// By how much the touches are predicted to miss: the root mean square, metres.
-    fn predicted(&self, candidates: &Candidates) -> f64 {
-        self.mean_square(candidates).sqrt()
-    }
-}
-
-/// What is known before: what is nearly known, and of what is free that it is not beyond all measure.
-fn before(estimator: &Estimator) -> DMatrix<f64> {
-    let unknowns = &estimator.unknowns;
-    let n = unknowns.len();
-    let open = |place: usize| {
-        unknowns.deviation_before(place).unwrap_or(unknowns.open_deviation(estimator.robot, place))
-    };
-    DMatrix::from_fn(n, n, |i, j| if i == j { open(i).powi(2) } else { 0.0 })
 }
 
 /// The covariance after a touch more: `Σ − Σ Jᵀ (W⁻¹ + J Σ Jᵀ)⁻¹ J Σ`.
