@@ -138,7 +138,7 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
     for seen in seen.iter().step_by(seen.len().div_ceil(TOUCHES).max(1)) {
         let (weight, value) = (fit.noise.weight(seen), seen.residuals.value);
         let mut slopes = seen.residuals.slopes.clone();
-        let posture = &estimator.touches()[seen.touch].posture;
+        let posture = &estimator.touches[seen.touch].posture;
         for (k, column) in extra.iter().enumerate() {
             let factor = column.factor(robot, seen.touch, posture);
             let of = seen.residuals.slopes.iter().filter(|(at, _)| *at == column.of && factor != 0.0);
@@ -230,7 +230,7 @@ impl Column {
 
 /// Curves of encoders, and what changes in the course of the log of encoders and of what is mounted.
 fn extra_columns(of_all: &Estimator, seen: &[Seen]) -> Vec<Column> {
-    let (robot, all, lines) = (of_all.robot, &of_all.unknowns, of_all.touches().len());
+    let (robot, all, lines) = (of_all.robot, &of_all.unknowns, of_all.touches.len());
     let mut columns = Vec::new();
     for (dof, q) in robot.encoders().filter(|(dof, _)| robot.dofs[*dof].kind == DofKind::Hinge) {
         let of = all.places(q.offset).next().unwrap_or_default();
@@ -287,7 +287,7 @@ pub fn still_encoders(estimator: &Estimator, fit: &Fit) -> Vec<usize> {
     let is_still = |dof: &usize| {
         let felt = fit.seen.iter().filter(|seen| seen.along(*dof) != Vector3::zeros());
         let read: Vec<f64> =
-            felt.map(|seen| estimator.touches()[seen.touch].posture[robot.dofs[*dof].coordinate]).collect();
+            felt.map(|seen| estimator.touches[seen.touch].posture[robot.dofs[*dof].coordinate]).collect();
         read.len() > 1 && read.iter().all(|x| (x - read[0]).abs() < STILL)
     };
     robot.encoders().map(|(dof, _)| dof).filter(is_still).collect()
@@ -323,9 +323,9 @@ pub fn best_explanation(
     let unseen = dead.chain(turned).chain([Cause::Convention]);
     chosen.extend(unseen.map(|cause| Explanation { cause, evidence: 0.0, share: 0.0 }));
     // Few touches show as well which is the likeliest.
-    let step = estimator.touches().len().div_ceil(REFITTED).max(1);
-    let touches: Vec<Touch> = estimator.touches().iter().step_by(step).cloned().collect();
-    let fewer = Estimator::new(robot, &touches, estimator.options());
+    let step = estimator.touches.len().div_ceil(REFITTED).max(1);
+    let touches: Vec<Touch> = estimator.touches.iter().step_by(step).cloned().collect();
+    let fewer = Estimator::new(robot, &touches, estimator.options);
     let of_fewer = (step > 1).then(|| {
         let noise = fewer.noise_at(&fit.values, fit.noise.joint);
         fewer.settled(fit.values.clone(), noise, fit.noise.false_share > 0.0)
@@ -350,7 +350,7 @@ pub fn best_explanation(
 /// fitted for itself.
 fn fitted(estimator: &Estimator, fit: &Fit, cause: Cause, step: usize) -> Option<(f64, usize)> {
     let mut robot = estimator.robot.clone();
-    let mut touches = estimator.touches().to_vec();
+    let mut touches = estimator.touches.to_vec();
     let nominal = robot.nominal();
     let mut starts = vec![fit.values.clone(), nominal.clone()];
     let mut dead = None;
@@ -376,7 +376,7 @@ fn fitted(estimator: &Estimator, fit: &Fit, cause: Cause, step: usize) -> Option
         }
         Cause::Convention => {
             robot = robot.of_other_convention()?;
-            starts[0] = Estimator::new(&robot, &touches, estimator.options()).approach(nominal).0;
+            starts[0] = Estimator::new(&robot, &touches, estimator.options).approach(nominal).0;
             0
         }
         Cause::Slipped(q, from) => {
@@ -405,7 +405,7 @@ fn fitted(estimator: &Estimator, fit: &Fit, cause: Cause, step: usize) -> Option
         }
         Cause::Curved(_) => return None,
     };
-    let estimator = Estimator::new(&robot, &touches, estimator.options());
+    let estimator = Estimator::new(&robot, &touches, estimator.options);
     let costs = starts.into_iter().map(|start| {
         let noise = Noise { dead, ..estimator.noise_at(&start, fit.noise.joint) };
         estimator.settled(start, noise, fit.noise.false_share > 0.0).cost

@@ -49,9 +49,11 @@ pub struct Estimator<'a> {
     pub robot: &'a Robot,
     /// What is to be found.
     pub unknowns: Unknowns,
-    touches: &'a [Touch],
+    /// The touches.
+    pub touches: &'a [Touch],
+    /// How to calibrate.
+    pub options: EstimatorOptions,
     groups: Groups,
-    options: EstimatorOptions,
     /// Places of parameters that stay as they are: the touches determine them only together with others.
     held: Vec<usize>,
 }
@@ -94,7 +96,7 @@ impl<'a> Estimator<'a> {
             touches.iter().flat_map(|touch| pairs(touch).map(move |ends| kind_of(robot, touch, ends)));
         let groups = Groups::of(kinds);
         let mut estimator =
-            Estimator { robot, unknowns: Unknowns::of(robot), touches, groups, options, held: Vec::new() };
+            Estimator { robot, unknowns: Unknowns::of(robot), touches, options, groups, held: Vec::new() };
         // What the touches do not determine stays at the maker's value.
         let noise = estimator.noise(1.0, 0.0);
         let seen = estimator.seen(&robot.nominal(), &noise);
@@ -115,16 +117,6 @@ impl<'a> Estimator<'a> {
     /// Noise of one deviation in all touches, metres, and of encoders, radians.
     pub fn noise(&self, deviation: f64, joint: f64) -> Noise {
         Noise { joint, ..Noise::alike(self.groups.count(), deviation) }
-    }
-
-    /// What noise there may be.
-    pub fn options(&self) -> EstimatorOptions {
-        self.options
-    }
-
-    /// The touches.
-    pub fn touches(&self) -> &'a [Touch] {
-        self.touches
     }
 
     /// What the touches look like at some values, in some noise; where it is not known who met whom, those that most likely did.

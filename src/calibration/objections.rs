@@ -221,7 +221,7 @@ fn rows(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     const MORE: &str = "make more touches (`bodyschema plan`), or say less to be unknown";
     let all = fit.redundancy();
     if all.spare() < 0.0 {
-        let rows = estimator.touches().len() as f64;
+        let rows = estimator.touches.len() as f64;
         // Rows alike to those that there are; touches that are taken for false are rows that say nothing.
         let each = (all.equations / all.rows.max(1e-9)).max(1.0);
         let least = (all.unknowns + all.unknowns.max(FEWEST_SPARE)) / each;
@@ -284,7 +284,7 @@ fn signs(_: &Estimator, fit: &Fit) -> Option<Objection> {
 fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let stated = Noise { groups: vec![0.0; fit.noise.groups.len()], ..fit.noise.clone() };
     let is_stated = |seen: &&Seen| {
-        let ends = estimator.touches()[seen.touch].pair(seen.ends);
+        let ends = estimator.touches[seen.touch].pair(seen.ends);
         seen.given > 0.0
             && ends.iter().all(|end| match end.feature {
                 Feature::Point(link, _) => end.deviation.is_some() || estimator.robot.is_place(link),
@@ -399,7 +399,7 @@ fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation, still: &[usize]
             let unit = about.quantities.map_or(Unit::One, |q| robot.quantities[q.offset].unit);
             let (factor, unit) = unit.for_readers();
             let read =
-                still.contains(&d).then(|| estimator.touches()[fit.seen[0].touch].posture[about.coordinate]);
+                still.contains(&d).then(|| estimator.touches[fit.seen[0].touch].posture[about.coordinate]);
             let read = read.map(|read| format!(" (it always reads {} {unit})", number(factor * read)));
             format!("the encoder of {name} does not follow its joint{}", read.unwrap_or_default())
         }
@@ -407,7 +407,7 @@ fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation, still: &[usize]
             "the contact residual depends on the angle of {name}: an encoder that is no straight line reduces {lower}"
         ),
         Cause::Slipped(_, from) => {
-            let line = estimator.touches()[from].line;
+            let line = estimator.touches[from].line;
             format!(
                 "{name} changed in the course of the log: another value from about line {line} on reduces {lower}"
             )
@@ -423,7 +423,7 @@ fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation, still: &[usize]
 /// links: what a body that explains nothing leaves. Exchanged are postures where points differ; where they are the same in all only
 /// joints were measured, and each is exchanged by itself. `None` if no two touches are between the same.
 fn left_and_random(estimator: &Estimator, fit: &Fit) -> Option<[f64; 2]> {
-    let touches = estimator.touches();
+    let touches = estimator.touches;
     let mut alike: BTreeMap<[(bool, usize); 2], Vec<usize>> = BTreeMap::new();
     for (i, touch) in touches.iter().enumerate() {
         let key = touch.pair([0, 0]).map(|end| match end.feature {

@@ -81,7 +81,7 @@ impl LeastSquares for Problem<'_> {
     fn cost(&self, values: &Vec<Value>) -> f64 {
         let Estimator { robot, unknowns, .. } = self.estimator;
         let of_pair = |(touch, ends, weight): &(usize, [usize; 2], Matrix3<f64>)| {
-            let touch = &self.estimator.touches()[*touch];
+            let touch = &self.estimator.touches[*touch];
             let posed = Posed::new(robot, values, &touch.posture);
             squared(&posed.miss(touch.features(*ends), touch.distance).1, weight)
         };

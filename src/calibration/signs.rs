@@ -51,7 +51,7 @@ impl Estimator<'_> {
         for quantity in self.robot.encoders().flat_map(|(_, own)| [own.gain, own.compliance]) {
             even.quantities[quantity].knowledge = [Knowledge::Known; 3];
         }
-        let even = Estimator::new(&even, self.touches(), self.options());
+        let even = Estimator::new(&even, self.touches, self.options);
         let fitted = |mut values: Vec<Value>, exchanged: &[usize]| {
             self.forget(&mut values, exchanged);
             let fitted = self.approach(even.approach(values).0).0;
@@ -147,7 +147,7 @@ impl Estimator<'_> {
 
     /// How widely touches miss: the sum of the logarithms of their squares, which a few false ones do not rule.
     fn scatter(&self, values: &[Value], finest: f64) -> f64 {
-        let step = self.touches().len().div_ceil(TOUCHES);
+        let step = self.touches.len().div_ceil(TOUCHES);
         let of_touch = |touch: &super::touch::Touch| {
             let posed = Posed::new(self.robot, values, &touch.posture);
             let pairs = touch.ends[0]
@@ -156,7 +156,7 @@ impl Estimator<'_> {
             let misses = pairs.map(|features| posed.miss(features, touch.distance).1.norm_squared());
             (misses.fold(f64::INFINITY, f64::min) + finest * finest).ln()
         };
-        self.touches().iter().step_by(step.max(1)).map(of_touch).sum()
+        self.touches.iter().step_by(step.max(1)).map(of_touch).sum()
     }
 
     /// A fit whose signs are none that another of them explains better: each is exchanged once more, with all the rest fitted
