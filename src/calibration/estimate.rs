@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::noise::{Groups, Kind, Noise, Seen};
 use super::pairing::assigned;
-use super::problem::{Weighing, hold, information};
+use super::problem::{hold, information};
 use super::robot::{Posed, Robot, Value};
 use super::told::Told;
 use super::touch::{Feature, Touch};
@@ -182,7 +182,7 @@ impl<'a> Estimator<'a> {
             if settled {
                 break;
             }
-            values = self.descend(values, (&noise, Weighing::FromAfar), &self.held, 1e-3);
+            values = self.descend(values, (&noise, Noise::weight_from_afar), &self.held, 1e-3);
         }
         (values, noise)
     }
@@ -243,7 +243,7 @@ impl<'a> Estimator<'a> {
         loop {
             let mut cost = f64::INFINITY;
             for _ in 0..ROUNDS {
-                values = self.descend(values, (&noise, Weighing::ByNoise), &held, 1e-9);
+                values = self.descend(values, (&noise, Noise::weight), &held, 1e-9);
                 let seen = self.seen(&values, &noise);
                 let told = Told::by(&self.information(&seen, &noise, true));
                 noise = noise.estimated(&seen, &told.covariance, with_joints);
@@ -288,7 +288,7 @@ impl<'a> Estimator<'a> {
 
     /// Values fitted from others in noise that stays as it is, and `−log` of how likely they and the touches are.
     pub(super) fn refitted(&self, start: Vec<Value>, noise: &Noise) -> (Vec<Value>, f64) {
-        let values = self.descend(start, (noise, Weighing::ByNoise), &self.held, 1e-6);
+        let values = self.descend(start, (noise, Noise::weight), &self.held, 1e-6);
         let cost = self.cost_of(&self.seen(&values, noise), &values, noise);
         (values, cost)
     }

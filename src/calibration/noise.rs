@@ -130,6 +130,11 @@ impl Noise {
         self.covariance(seen).try_inverse().map_or(Matrix3::zeros(), |inverse| inverse * self.honesty(seen))
     }
 
+    /// Cauchy's weight of a residual in units of its group's deviation: from afar, where nothing is known of noise.
+    pub fn weight_from_afar(&self, seen: &Seen) -> Matrix3<f64> {
+        Matrix3::identity() / (self.groups[seen.group].powi(2) + seen.apart().powi(2))
+    }
+
     /// `−log p(r)` of a residual if it is honest, and if it is false.
     fn costs(&self, seen: &Seen) -> [f64; 2] {
         let width = self.widths[seen.group];

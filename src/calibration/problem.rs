@@ -10,20 +10,14 @@ use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, leve
 /// Linearizations of one fit.
 const ITERATIONS: usize = 20;
 
-/// How a residual counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Weighing {
-    /// By its noise, and by how likely its touch is honest.
-    ByNoise,
-    /// By Cauchy's weight in units of its group's deviation: from afar, where nothing is known of noise.
-    FromAfar,
-}
+/// How a residual is weighed in some noise.
+pub type Weight = fn(&Noise, &Seen) -> Matrix3<f64>;
 
 /// The problem of explaining an estimator's touches by its unknowns.
 struct Problem<'a> {
     estimator: &'a Estimator<'a>,
     noise: &'a Noise,
-    weighing: Weighing,
+    weight: Weight,
     /// Places of parameters that stay as they are.
     held: &'a [usize],
     /// What the last linearization fixed: pairs of ends that are taken to have met, and how their residuals are weighed.
@@ -35,11 +29,11 @@ impl Estimator<'_> {
     pub(super) fn descend(
         &self,
         start: Vec<Value>,
-        (noise, weighing): (&Noise, Weighing),
+        (noise, weight): (&Noise, Weight),
         held: &[usize],
         relative_cost: f64,
     ) -> Vec<Value> {
-        let mut problem = Problem { estimator: self, noise, weighing, held, fixed: Vec::new() };
+        let mut problem = Problem { estimator: self, noise, weight, held, fixed: Vec::new() };
         let stopping = Stopping { iterations: ITERATIONS, relative_cost, ..Stopping::default() };
         self.canonical(levenberg_marquardt(&mut problem, start, stopping).state)
     }
@@ -58,13 +52,7 @@ impl LeastSquares for Problem<'_> {
         let mut total = Linearization::nothing(unknowns.len());
         self.fixed.clear();
         for seen in self.estimator.seen(values, self.noise) {
-            let weight = match self.weighing {
-                Weighing::ByNoise => self.noise.weight(&seen),
-                Weighing::FromAfar => {
-                    let variance = self.noise.groups[seen.group].powi(2);
-                    Matrix3::identity() / (variance + seen.apart().powi(2))
-                }
-            };
+            let weight = (self.weight)(self.noise, &seen);
             add_to(&mut total, &seen.residuals.slopes, &seen.residuals.value, &weight);
             total.cost += squared(&seen.residuals.value, &weight);
             self.fixed.push((seen.touch, seen.ends, weight));
