@@ -160,16 +160,6 @@ pub struct Redundancy {
     unknowns: f64,
 }
 
-impl std::iter::Sum for Redundancy {
-    fn sum<I: Iterator<Item = Redundancy>>(all: I) -> Redundancy {
-        all.fold(Redundancy::default(), |sum, one| Redundancy {
-            rows: sum.rows + one.rows,
-            equations: sum.equations + one.equations,
-            unknowns: sum.unknowns + one.unknowns,
-        })
-    }
-}
-
 impl Redundancy {
     /// Equations beyond those that it takes; negative where there are too few.
     pub fn spare(&self) -> f64 {
@@ -180,14 +170,18 @@ impl Redundancy {
 impl Fit {
     /// Equations and unknowns of the touches that are taken to be honest. What is nearly known counts by what the touches add.
     pub fn redundancy(&self) -> Redundancy {
-        self.seen.iter().map(|seen| self.redundancy_of(seen)).sum()
+        self.redundancy_of(&self.seen)
     }
 
-    /// The same of one touch.
-    fn redundancy_of(&self, seen: &Seen) -> Redundancy {
-        let honesty = self.noise.honesty(seen);
-        let unknowns = (seen.taken_up(&self.told.covariance) * self.noise.weight(seen)).trace();
-        Redundancy { rows: honesty, equations: honesty * seen.size(), unknowns }
+    fn redundancy_of<'a>(&self, seen: impl IntoIterator<Item = &'a Seen>) -> Redundancy {
+        let mut sum = Redundancy::default();
+        for seen in seen {
+            let honesty = self.noise.honesty(seen);
+            sum.rows += honesty;
+            sum.equations += honesty * seen.size();
+            sum.unknowns += (seen.taken_up(&self.told.covariance) * self.noise.weight(seen)).trace();
+        }
+        sum
     }
 
     /// The touches that are not taken to be false, as they are seen at what was found.
@@ -234,12 +228,10 @@ fn rows(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     }
     let unknowns = &estimator.unknowns;
     let free = |place: &usize| fit.told.is_told(*place) && unknowns.deviation_before(*place).is_none();
-    let each: Vec<(&Seen, Redundancy)> =
-        fit.seen.iter().map(|seen| (seen, fit.redundancy_of(seen))).collect();
     let bearing = |place: usize| {
         let bears = |(at, slope): &(usize, Vector3<f64>)| *at == place && slope.norm() > 0.0;
-        let bearing = each.iter().filter(|(seen, _)| seen.residuals.slopes.iter().any(bears));
-        let bearing: Redundancy = bearing.map(|(_, own)| *own).sum();
+        let bearing =
+            fit.redundancy_of(fit.seen.iter().filter(|seen| seen.residuals.slopes.iter().any(bears)));
         (place, bearing.rows, bearing.equations - bearing.unknowns)
     };
     let worst = (0..unknowns.len()).filter(free).map(bearing).min_by(|a, b| a.2.total_cmp(&b.2));
@@ -299,7 +291,7 @@ fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
         left += honesty * value.norm_squared();
         given += honesty * seen.size() * seen.given;
     }
-    let all: Redundancy = fit.seen.iter().filter(is_stated).map(|seen| fit.redundancy_of(seen)).sum();
+    let all = fit.redundancy_of(fit.seen.iter().filter(is_stated));
     let [rms, said] = [left, given].map(|sum| (sum / all.equations).sqrt());
     let spare = all.equations - all.unknowns;
     let beyond = (squares - spare) / (2.0 * spare).sqrt();
