@@ -102,7 +102,7 @@ const OF_FITS: [fn(&Estimator, &Fit) -> Option<Objection>; 7] =
 
 /// All that speaks against a fit, and against what was held out.
 pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec<Objection> {
-    use Question::{Control, HeldOut, Outliers, Prior, Rows, Scale, Signs};
+    use Question::{Control, HeldOut, Prior, Rows, Scale, Signs};
     let mut found = of_fit(estimator, fit);
     let raised = |found: &[Objection], questions: &[Question]| {
         found.iter().any(|objection| questions.contains(&objection.question))
@@ -111,7 +111,7 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
         return found;
     }
     found.extend(held_out(judged));
-    let far_off = raised(&found, &[Control, Outliers, Signs, Scale, HeldOut]);
+    let far_off = raised(&found, &[Control, Signs, Scale, HeldOut]);
     let near = left_and_random(estimator, fit).is_none_or(|[left, random]| left < NEAR * random);
     let still = still_encoders(estimator, fit);
     let mut causes = explanations(estimator, fit);
