@@ -140,7 +140,7 @@ impl<'a> Estimator<'a> {
         if [a, b] == [1, 1] {
             return vec![[0, 0]];
         }
-        assigned(a, b, |i, j| {
+        assigned(a, b, &|i, j| {
             let (size, value) = posed.miss(touch.features([i, j]), touch.distance);
             let (group, given) = self.source(touch, [i, j]);
             let variance = noise.variance(group, given);

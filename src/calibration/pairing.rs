@@ -2,9 +2,9 @@
 
 /// The assignment of `a` contacts to `b` others, as many as there are of the fewer, of least total cost: by shortest augmenting
 /// paths (Jonker and Volgenant, "A Shortest Augmenting Path Algorithm for Dense and Sparse Linear Assignment Problems", 1987).
-pub fn assigned(a: usize, b: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<[usize; 2]> {
+pub fn assigned(a: usize, b: usize, cost: &dyn Fn(usize, usize) -> f64) -> Vec<[usize; 2]> {
     if a > b {
-        return assigned(b, a, |j, i| cost(i, j)).into_iter().map(|[j, i]| [i, j]).collect();
+        return assigned(b, a, &|j, i| cost(i, j)).into_iter().map(|[j, i]| [i, j]).collect();
     }
     // Prices of either side, and whom each of the others has: 0 is nobody, and the column where a path begins.
     let (mut of_rows, mut of_columns) = (vec![0.0; a + 1], vec![0.0; b + 1]);
@@ -58,8 +58,8 @@ mod tests {
         // The closest pair of all, 0 and 0, leaves 1 a costly one.
         let costs = [[1.0, 2.0, 9.0], [1.5, 8.0, 9.0]];
         let cost = |i: usize, j: usize| costs[i][j];
-        assert_eq!(assigned(2, 3, cost), [[0, 1], [1, 0]]);
-        assert_eq!(assigned(3, 2, |j, i| cost(i, j)), [[1, 0], [0, 1]]);
-        assert_eq!(assigned(1, 1, |_, _| f64::INFINITY), [[0, 0]]);
+        assert_eq!(assigned(2, 3, &cost), [[0, 1], [1, 0]]);
+        assert_eq!(assigned(3, 2, &|j, i| cost(i, j)), [[1, 0], [0, 1]]);
+        assert_eq!(assigned(1, 1, &|_, _| f64::INFINITY), [[0, 0]]);
     }
 }
