@@ -1,9 +1,10 @@
 //! What a calibration found, what it left open, and how well both stand.
 
-use super::estimate::{Estimator, Fit};
+use super::estimate::Fit;
 use super::held_out::{FEWEST_HELD_OUT, Judgement, Misses, mean};
 use super::noise::Seen;
 use super::objections::Objection;
+use super::problem::Estimator;
 use super::robot::{Quantity, Robot};
 use super::touch::Touch;
 

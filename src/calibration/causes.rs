@@ -17,9 +17,9 @@ use std::mem::discriminant;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
-use super::estimate::{Estimator, Fit};
+use super::estimate::Fit;
 use super::noise::{Noise, Seen};
-use super::problem::add_to;
+use super::problem::{Estimator, add_to};
 use super::robot::{DofQuantities, Element, Knowledge, Quantity, Robot, Value};
 use super::told::Told;
 use super::touch::{Feature, Touch};

@@ -2,16 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::DMatrix;
-use rayon::prelude::*;
-
-use super::noise::{Groups, Kind, Noise, Seen};
-use super::pairing::assigned;
-use super::problem::{hold, information};
-use super::robot::{Posed, Robot, Value};
+use super::noise::{Noise, Seen};
+use super::problem::{Estimator, hold};
+use super::robot::Value;
 use super::told::Told;
-use super::touch::{Feature, Touch};
-use super::unknowns::Unknowns;
 use crate::creature::DofKind;
 
 /// Fits from afar, each with the deviation that the one before left.
@@ -26,37 +20,6 @@ const FALSE_GAIN: f64 = 10.0;
 const FALSE_SHARE_OF_NOISE: f64 = 0.7;
 /// The median of the absolute value of normal noise, over its deviation.
 const NORMAL_MEDIAN: f64 = 0.6745;
-
-/// How to calibrate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EstimatorOptions {
-    /// Noise of encoders, a standard deviation in radians and metres; `None` is as much as the touches show.
-    pub joint_noise: Option<f64>,
-    /// Whether touches may be false, if they show it.
-    pub false_touches: bool,
-}
-
-impl Default for EstimatorOptions {
-    fn default() -> EstimatorOptions {
-        EstimatorOptions { joint_noise: Some(0.0), false_touches: true }
-    }
-}
-
-/// A robot and its touches, ready to be calibrated.
-#[derive(Clone)]
-pub struct Estimator<'a> {
-    /// The robot.
-    pub robot: &'a Robot,
-    /// What is to be found.
-    pub unknowns: Unknowns,
-    /// The touches.
-    pub touches: &'a [Touch],
-    /// How to calibrate.
-    pub options: EstimatorOptions,
-    groups: Groups,
-    /// Places of parameters that stay as they are: the touches determine them only together with others.
-    held: Vec<usize>,
-}
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -89,73 +52,7 @@ impl Fit {
     }
 }
 
-impl<'a> Estimator<'a> {
-    /// An estimator of a robot's open quantities from touches.
-    pub fn new(robot: &'a Robot, touches: &'a [Touch], options: EstimatorOptions) -> Estimator<'a> {
-        let kinds =
-            touches.iter().flat_map(|touch| pairs(touch).map(move |ends| kind_of(robot, touch, ends)));
-        let groups = Groups::of(kinds);
-        let mut estimator =
-            Estimator { robot, unknowns: Unknowns::of(robot), touches, options, groups, held: Vec::new() };
-        // What the touches do not determine stays at the maker's value.
-        let noise = estimator.noise(1.0, 0.0);
-        let seen = estimator.seen(&robot.nominal(), &noise);
-        estimator.held = Told::by(&estimator.information(&seen, &noise, true)).dependent;
-        estimator
-    }
-
-    /// The same of other touches, whose noise is of the same groups.
-    pub(super) fn of_touches<'b>(&'b self, touches: &'b [Touch]) -> Estimator<'b> {
-        Estimator { touches, ..self.clone() }
-    }
-
-    /// The same of a robot with other unknowns.
-    pub(super) fn of_robot<'b>(&'b self, robot: &'b Robot) -> Estimator<'b> {
-        Estimator { robot, unknowns: Unknowns::of(robot), ..self.clone() }
-    }
-
-    /// Noise of one deviation in all touches, metres, and of encoders, radians.
-    pub fn noise(&self, deviation: f64, joint: f64) -> Noise {
-        Noise { joint, ..Noise::alike(self.groups.count(), deviation) }
-    }
-
-    /// What the touches look like at some values, in some noise; where it is not known who met whom, those that most likely did.
-    pub fn seen(&self, values: &[Value], noise: &Noise) -> Vec<Seen> {
-        let of_touch = |t: usize| {
-            let touch = &self.touches[t];
-            let posed = Posed::new(self.robot, values, &touch.posture);
-            let see = |ends: [usize; 2]| {
-                let place = |quantity, component| self.unknowns.place(quantity, component);
-                let residuals = posed.residuals(touch.features(ends), touch.distance, &place);
-                let (group, given) = self.source(touch, ends);
-                Seen { touch: t, ends, residuals, group, given }
-            };
-            self.who_met_whom(touch, &posed, noise).into_iter().map(see).collect::<Vec<_>>()
-        };
-        (0..self.touches.len()).into_par_iter().flat_map_iter(of_touch).collect()
-    }
-
-    fn who_met_whom(&self, touch: &Touch, posed: &Posed, noise: &Noise) -> Vec<[usize; 2]> {
-        let [a, b] = touch.ends.each_ref().map(Vec::len);
-        if [a, b] == [1, 1] {
-            return vec![[0, 0]];
-        }
-        assigned(a, b, &|i, j| {
-            let (size, value) = posed.miss(touch.features([i, j]), touch.distance);
-            let (group, given) = self.source(touch, [i, j]);
-            let variance = noise.variance(group, given);
-            // A pair that is surely false is as good as any other that is.
-            (1.0 + value.norm_squared() / (size as f64 * variance)).ln()
-        })
-    }
-
-    /// The group of a pair of ends, and the variance that was given with them: what noise there is at the least; what more there is,
-    /// the touches show.
-    fn source(&self, touch: &Touch, ends: [usize; 2]) -> (usize, f64) {
-        let given = touch.pair(ends).into_iter().filter_map(|end| end.deviation);
-        (self.groups.group(&kind_of(self.robot, touch, ends)), given.map(|deviation| deviation.powi(2)).sum())
-    }
-
+impl Estimator<'_> {
     /// As much noise as there seems to be at some values, by the medians of what is left, group by group; and so much of encoders.
     pub(super) fn noise_at(&self, values: &[Value], joint: f64) -> Noise {
         let mut noise = self.noise(1.0, joint);
@@ -298,28 +195,4 @@ impl<'a> Estimator<'a> {
         let touches: f64 = seen.iter().map(|seen| noise.cost(seen)).sum();
         touches + self.unknowns.prior_cost(self.robot, values)
     }
-
-    /// The information about the unknowns in touches, symmetric; with what was known before.
-    pub fn information(&self, seen: &[Seen], noise: &Noise, with_prior: bool) -> DMatrix<f64> {
-        let weighed = seen.iter().map(|seen| (seen, noise.weight(seen)));
-        let mut information = information(self.unknowns.len(), weighed);
-        if with_prior {
-            self.unknowns.add_information(&mut information);
-        }
-        information
-    }
-}
-
-/// What two of a touch's ends are between.
-fn kind_of(robot: &Robot, touch: &Touch, ends: [usize; 2]) -> Kind {
-    let features = touch.features(ends);
-    let [a, b] = features.map(|feature| feature.link(robot));
-    let meet = touch.distance == 0.0 && features.iter().all(|feature| matches!(feature, Feature::Point(..)));
-    (a.min(b), a.max(b), meet)
-}
-
-/// All pairs of a touch's ends.
-fn pairs(touch: &Touch) -> impl Iterator<Item = [usize; 2]> {
-    let [a, b] = touch.ends.each_ref().map(Vec::len);
-    (0..a).flat_map(move |i| (0..b).map(move |j| [i, j]))
 }

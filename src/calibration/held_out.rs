@@ -8,8 +8,9 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::estimate::{Estimator, Fit};
+use super::estimate::Fit;
 use super::noise::Seen;
+use super::problem::Estimator;
 use super::repeats::postures;
 use super::touch::Touch;
 

@@ -27,12 +27,13 @@ mod touch;
 mod unknowns;
 
 pub use account::Calibration;
-pub use estimate::{Estimator, EstimatorOptions, Fit};
+pub use estimate::Fit;
 pub use held_out::{FEWEST_HELD_OUT, Judgement, Misses, folds, judge, split};
 pub use noise::{Noise, Seen};
 pub use objections::{Objection, Question, objections};
 pub use places::{add_places, put_on_places};
 pub use plan::{Plan, Planned, plan};
+pub use problem::{Estimator, EstimatorOptions};
 pub use repeats::{SAME_POINT, SAME_POSTURE, drop_alike, drop_repeats};
 pub use told::{Told, Untold};
 pub use touch::{End, Feature, Residuals, Touch};

@@ -9,9 +9,10 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::causes::{Cause, Explanation, best_explanation, explanations, still_encoders};
-use super::estimate::{Estimator, Fit};
+use super::estimate::Fit;
 use super::held_out::{HOLDS, Judgement, Misses, mean};
 use super::noise::{Noise, Seen};
+use super::problem::Estimator;
 use super::robot::{Element, Robot, Unit, Value};
 use super::touch::Feature;
 

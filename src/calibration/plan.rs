@@ -16,9 +16,8 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::estimate::Estimator;
 use super::noise::{Noise, Seen};
-use super::problem::information;
+use super::problem::{Estimator, information};
 use super::robot::Value;
 
 /// Rounds at the most in which shares are bettered, and how near the best they need to be.

@@ -4,7 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::estimate::{Estimator, Fit};
+use super::estimate::Fit;
+use super::problem::Estimator;
 use super::robot::{DofQuantities, Knowledge, Posed, Value};
 use crate::creature::DofKind;
 
