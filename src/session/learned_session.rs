@@ -96,10 +96,9 @@ pub fn learn_session(
             seconds += began.elapsed().as_secs_f64();
         }
         if last {
-            learner
-                .way()
-                .iter()
-                .for_each(|(touches, schema)| drop(table.add(*touches, Some(schema), None, None)));
+            for (touches, schema) in learner.way() {
+                table.add(*touches, Some(schema), None, None);
+            }
         }
         let schema = learned.as_ref().map(|learned| &learned.schema).or(learner.schema());
         let (expected, shown) = (learner.expectation(), due || last);

@@ -168,20 +168,16 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let random = OnceCell::new();
     let row = |way: &Way| {
         let found = embodied.as_ref().map_err(Clone::clone).and_then(|own| {
-            if way.learner.name() == PartByPart.name() {
-                if Growth::suits(own.creature()) {
-                    let most = trial.touches.saturating_mul(STAGED);
-                    let staged = survived(|| babble(own, PolicyName::Stages, most, trial))?;
-                    return learn(own, &staged, way, &body, trial);
-                }
+            let by_default = way.learner.name() == PartByPart.name();
+            if by_default && Growth::suits(own.creature()) {
+                let most = trial.touches.saturating_mul(STAGED);
+                let staged = survived(|| babble(own, PolicyName::Stages, most, trial))?;
+                return learn(own, &staged, way, &body, trial);
             }
             let at_random =
                 random.get_or_init(|| survived(|| babble(own, PolicyName::Random, trial.touches, trial)));
-            let at_random = at_random.as_ref().map_err(Clone::clone)?;
-            match way.learner.name() == PartByPart.name() {
-                true => learn(own, at_random, &LM, &body, trial),
-                false => learn(own, at_random, way, &body, trial),
-            }
+            let way = if by_default { &LM } else { way };
+            learn(own, at_random.as_ref().map_err(Clone::clone)?, way, &body, trial)
         });
         let mut row = found.unwrap_or_else(|Failed { outcome, reason, work }| {
             json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,

@@ -179,8 +179,8 @@ fn read_log<'a>(path: &'a Path, robot: &'a Robot) -> Result<Log<'a>, Error> {
 
 /// What is wrong with columns that do not name what touched on both sides, and where a joint was.
 fn column_fault(log: &Log, robot: &Robot) -> Option<String> {
-    let named = |side: usize| log.has(LIMBS[side]) || log.has(RECEPTORS[side]);
-    if let Some(side) = (0..2).find(|side| !named(*side) && !(*side == 1 && log.has(PLACE))) {
+    let names = |side: usize| log.has(LIMBS[side]) || log.has(RECEPTORS[side]) || side == 1 && log.has(PLACE);
+    if let Some(side) = (0..2).find(|&side| !names(side)) {
         return Some(format!("there is no column {}: name what touched on this side", LIMBS[side]));
     }
     let missing = robot.dofs.iter().filter(|dof| log.posture[dof.coordinate].is_none());

@@ -101,7 +101,7 @@ impl Conversation {
             Err(Trouble::Reach(_)) => {
                 Ok(Answer::failed("I cannot lean forward: something would be in the way"))
             }
-            Err(trouble) => Err(trouble.into()),
+            Err(trouble) => Err(trouble),
         }
     }
 }
