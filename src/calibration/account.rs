@@ -112,7 +112,7 @@ impl Calibration<'_> {
         let of_all = [("before", Misses::of(&self.before())), ("after", Misses::of(&self.fit.seen))];
         let mut misses = of_all.map(|(name, misses)| (name.to_string(), misses)).to_vec();
         if self.fit.noise.false_share > 0.0 {
-            misses.push(("after, without false ones".into(), Misses::of(self.fit.honest())));
+            misses.push(("after, without false ones".into(), Misses::of(self.fit.inliers())));
         }
         if let [first, others @ ..] = self.judged {
             let parts = if others.is_empty() { String::new() } else { format!("{} × ", self.judged.len()) };

@@ -146,7 +146,7 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         }
         add_to(&mut total, &slopes, &value, &weight);
         squares += value.dot(&(weight * value));
-        equations += fit.noise.honesty(seen) * seen.size();
+        equations += fit.noise.inlier_probability(seen) * seen.size();
     }
     total.hessian.fill_upper_triangle_with_lower_triangle();
     // What stayed as it was is as if it had been known.

@@ -125,9 +125,11 @@ impl Noise {
         covariance
     }
 
-    /// How a residual is weighed: by its noise, and by how likely its touch is honest.
+    /// How a residual is weighed: by its noise, and by the probability that its touch is an inlier.
     pub fn weight(&self, seen: &Seen) -> Matrix3<f64> {
-        self.covariance(seen).try_inverse().map_or(Matrix3::zeros(), |inverse| inverse * self.honesty(seen))
+        self.covariance(seen)
+            .try_inverse()
+            .map_or(Matrix3::zeros(), |inverse| inverse * self.inlier_probability(seen))
     }
 
     /// Cauchy's weight of a residual in units of its group's deviation: from afar, where nothing is known of noise.
@@ -148,8 +150,8 @@ impl Noise {
         [0.5 * squares + factor.l().diagonal().map(f64::ln).sum(), of_false]
     }
 
-    /// How likely a touch is honest.
-    pub fn honesty(&self, seen: &Seen) -> f64 {
+    /// The probability that a touch is an inlier.
+    pub fn inlier_probability(&self, seen: &Seen) -> f64 {
         if self.false_share <= 0.0 {
             return 1.0;
         }
@@ -173,8 +175,10 @@ impl Noise {
     /// parameters takes account of what they took up. `with_joints` says whether encoders are noisy, too.
     pub fn estimated(&self, seen: &[Seen], covariance: &DMatrix<f64>, with_joints: bool) -> Noise {
         let mut noise = self.clone();
-        let rows: Vec<(&Seen, Matrix3<f64>, f64)> =
-            seen.iter().map(|seen| (seen, seen.taken_up(covariance), self.honesty(seen))).collect();
+        let rows: Vec<(&Seen, Matrix3<f64>, f64)> = seen
+            .iter()
+            .map(|seen| (seen, seen.taken_up(covariance), self.inlier_probability(seen)))
+            .collect();
         if with_joints && noise.joint == 0.0 {
             noise.joint = start_of_joints(seen);
         }
@@ -183,18 +187,18 @@ impl Noise {
             // Numbers that are left of each group's once the parameters took up theirs.
             let mut left = vec![0.0; noise.groups.len()];
             let mut joints = [0.0; 2];
-            for (seen, taken_up, honesty) in &rows {
+            for (seen, taken_up, inlier) in &rows {
                 let Some(inverse) = noise.covariance(seen).try_inverse() else { continue };
                 let residual = seen.residuals.value;
                 let pulled = inverse * (residual * residual.transpose() + taken_up) * inverse;
                 let add = |sums: &mut [f64; 2], part: &Matrix3<f64>| {
-                    sums[0] += honesty * (pulled * part).trace();
-                    sums[1] += honesty * (inverse * part).trace();
+                    sums[0] += inlier * (pulled * part).trace();
+                    sums[1] += inlier * (inverse * part).trace();
                 };
                 let (group, ones) = (seen.group, seen.ones());
                 add(&mut sums[group], &ones);
                 let own = ((inverse - inverse * taken_up * inverse) * ones).trace();
-                left[group] += honesty * noise.groups[group].powi(2) * own;
+                left[group] += inlier * noise.groups[group].powi(2) * own;
                 if with_joints {
                     add(&mut joints, &seen.by_joints());
                 }
@@ -211,7 +215,7 @@ impl Noise {
             noise.joint *= share(joints).sqrt();
         }
         if noise.false_share > 0.0 {
-            let of_false = rows.iter().map(|(.., honesty)| 1.0 - honesty).sum::<f64>();
+            let of_false = rows.iter().map(|(.., inlier)| 1.0 - inlier).sum::<f64>();
             noise.false_share = (of_false / rows.len() as f64).clamp(1e-6, 0.6);
         }
         noise

@@ -113,19 +113,19 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
     }
     found.extend(held_out(judged));
     let far_off = raised(&found, &[Control, Signs, Scale, HeldOut]);
-    let near = left_and_random(estimator, fit).is_none_or(|[left, random]| left < NEAR * random);
+    let near = || left_and_random(estimator, fit).is_none_or(|[left, random]| left < NEAR * random);
     let still = still_encoders(estimator, fit);
     let mut causes = explanations(estimator, fit);
     if fit.noise.false_share > 0.0 {
         // What is taken for false may have one cause, which is to be fitted: by itself a pattern of false touches is nothing.
         let noise = estimator.noise_at(&fit.values, fit.noise.joint);
-        let all_honest = explanations(estimator, &estimator.settled(fit.values.clone(), noise, false));
-        causes.extend(all_honest.into_iter().filter(|found| found.cause.is_fitted(estimator.robot)));
+        let all_inliers = explanations(estimator, &estimator.settled(fit.values.clone(), noise, false));
+        causes.extend(all_inliers.into_iter().filter(|found| found.cause.is_fitted(estimator.robot)));
         causes.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     }
     let suspected = causes.iter().any(|cause| cause.stands_out() || matches!(cause.cause, Cause::Dead(_)));
     // An encoder that never moves is none of a joint that does, and what is much more than noise says that something does.
-    let unmoved = !still.is_empty() && (far_off || !near);
+    let unmoved = !still.is_empty() && (far_off || !near());
     if found.is_empty() && !suspected && !unmoved {
         return found;
     }
@@ -137,7 +137,7 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
         }
         _ if unmoved => {
             let names: Vec<&str> = still.iter().map(|dof| estimator.robot.dofs[*dof].name.as_str()).collect();
-            let (names, left) = (names.join(", "), Misses::of(fit.honest()).rms);
+            let (names, left) = (names.join(", "), Misses::of(fit.inliers()).rms);
             let sentence =
                 format!("{names}: the encoder always reads the same, and is dead if the joint moved");
             found.push(Question::Pattern.about(names, [left, left], sentence));
@@ -177,17 +177,17 @@ impl Fit {
     fn redundancy_of<'a>(&self, seen: impl IntoIterator<Item = &'a Seen>) -> Redundancy {
         let mut sum = Redundancy::default();
         for seen in seen {
-            let honesty = self.noise.honesty(seen);
-            sum.rows += honesty;
-            sum.equations += honesty * seen.size();
+            let inlier = self.noise.inlier_probability(seen);
+            sum.rows += inlier;
+            sum.equations += inlier * seen.size();
             sum.unknowns += (seen.taken_up(&self.told.covariance) * self.noise.weight(seen)).trace();
         }
         sum
     }
 
     /// The touches that are not taken to be false, as they are seen at what was found.
-    pub fn honest(&self) -> impl Iterator<Item = &Seen> {
-        self.seen.iter().filter(|seen| self.noise.honesty(seen) > 0.5)
+    pub fn inliers(&self) -> impl Iterator<Item = &Seen> {
+        self.seen.iter().filter(|seen| self.noise.inlier_probability(seen) > 0.5)
     }
 
     /// Whether nothing speaks against it, as far as is seen without another fit.
@@ -286,11 +286,11 @@ fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     };
     let (mut squares, mut left, mut given) = (0.0, 0.0, 0.0);
     for seen in fit.seen.iter().filter(is_stated) {
-        let (honesty, value) = (fit.noise.honesty(seen), seen.residuals.value);
+        let (inlier, value) = (fit.noise.inlier_probability(seen), seen.residuals.value);
         let Some(inverse) = stated.covariance(seen).try_inverse() else { continue };
-        squares += honesty * value.dot(&(inverse * value));
-        left += honesty * value.norm_squared();
-        given += honesty * seen.size() * seen.given;
+        squares += inlier * value.dot(&(inverse * value));
+        left += inlier * value.norm_squared();
+        given += inlier * seen.size() * seen.given;
     }
     let all = fit.redundancy_of(fit.seen.iter().filter(is_stated));
     let [rms, said] = [left, given].map(|sum| (sum / all.equations).sqrt());
@@ -377,7 +377,7 @@ fn held_out(judged: &[Judgement]) -> Option<Objection> {
 /// What explains what is left, as an objection.
 fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation, still: &[usize]) -> Objection {
     let robot = estimator.robot;
-    let left = Misses::of(fit.honest()).rms;
+    let left = Misses::of(fit.inliers()).rms;
     let with = left * (1.0 - best.share).max(0.0).sqrt();
     let lower = format!("the contact residual from {} to about {} mm", mm(left), mm(with));
     let name = best.cause.name(robot);
@@ -443,7 +443,7 @@ fn left_and_random(estimator: &Estimator, fit: &Fit) -> Option<[f64; 2]> {
         }
     }
     let random = estimator.of_touches(&exchanged).seen(&fit.values, &fit.noise);
-    (!random.is_empty()).then(|| [Misses::of(fit.honest()).rms, Misses::of(&random).rms])
+    (!random.is_empty()).then(|| [Misses::of(fit.inliers()).rms, Misses::of(&random).rms])
 }
 
 impl Cause {

@@ -85,26 +85,27 @@ impl Posed<'_> {
         place: &dyn Fn(usize, usize) -> Option<usize>,
     ) -> Residuals {
         let paths = self.paths([a.link(self.robot), b.link(self.robot)]);
-        let mut twists: [Vec<(Mover, Twist)>; 2] = Default::default();
+        let mut parameters: [Vec<(usize, Twist)>; 2] = Default::default();
+        let mut dofs: [Vec<(usize, Twist)>; 2] = Default::default();
         let mut frames = [Frame::identity(); 2];
         for (side, path) in paths.iter().enumerate() {
-            frames[side] = self.walk(path, |mover, twist| twists[side].push((mover, twist)));
+            frames[side] = self.walk(path, |mover, twist| match mover {
+                Mover::Dof(dof) => dofs[side].push((dof, twist)),
+                // Most quantities are known: theirs are not kept.
+                Mover::Parameter(quantity, part) => {
+                    parameters[side].extend(place(quantity, part).map(|at| (at, twist)));
+                }
+            });
         }
         let met = self.meeting([a, b], distance, &frames);
         let mut found = Residuals { size: met.size, value: met.apart(distance), ..Residuals::default() };
         for (side, sign) in [(0, 1.0), (1, -1.0)] {
-            for (mover, twist) in &twists[side] {
-                let slope = || {
-                    let by = twist.at(&met.points[side]) * sign;
-                    if met.size == 3 { by } else { Vector3::new(met.normal.dot(&by), 0.0, 0.0) }
-                };
-                match *mover {
-                    Mover::Dof(dof) => found.by_dof.push((dof, slope())),
-                    Mover::Parameter(quantity, part) => {
-                        found.slopes.extend(place(quantity, part).map(|at| (at, slope())));
-                    }
-                }
-            }
+            let slope = |(of, twist): &(usize, Twist)| {
+                let by = twist.at(&met.points[side]) * sign;
+                (*of, if met.size == 3 { by } else { Vector3::new(met.normal.dot(&by), 0.0, 0.0) })
+            };
+            found.slopes.extend(parameters[side].iter().map(slope));
+            found.by_dof.extend(dofs[side].iter().map(slope));
         }
         for radius in met.radii.into_iter().flatten() {
             found.slopes.extend(place(radius, 0).map(|at| (at, Vector3::new(-1.0, 0.0, 0.0))));

@@ -66,7 +66,8 @@ const MOST_GIVEN_UP: usize = 4;
 const DOUBTFUL: f64 = 2.0;
 /// Touches that fix where a limb is on the joints about it.
 const FIXED_BY: usize = 4;
-/// Sizes of parts that starts in noise begin with, each of twice as many touches as the one before.
+/// Sizes of parts that starts in noise begin with, each of twice as many touches as the one before; the last is the whole body, as
+/// every fourth start is.
 const NOISY_SIZES: usize = 4;
 /// Rounds of mending …
 const REPAIRS: usize = 8;
@@ -181,6 +182,11 @@ impl Evidence<'_> {
     /// Whether the places of a touch are one point, and no patches.
     pub fn exact(&self) -> bool {
         matches!(self, Evidence::Points { patches: false, .. })
+    }
+
+    /// Whether there may be noise, of which two starts must agree how much it is.
+    pub fn may_be_noisy(&self) -> bool {
+        !matches!(self, Evidence::Points { noise: None, patches: false, .. })
     }
 
     /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point

@@ -333,13 +333,25 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
 }
 
 impl PreparedTouch {
-    /// How joints that are misread spread its two points: the sum of `∂p_C/∂q (∂p_C/∂q)ᵀ` over the hinges between them, in the
+    /// `∂(p_CA − p_CB)/∂q` of a place on either limb by what turns between them, as
+    /// [`angle_derivatives`](ChainSide::angle_derivatives) of both sides have it, metres a radian.
+    pub fn angle_derivatives(
+        &self,
+        schema: &BodySchema,
+        places: [&Vector3<f64>; 2],
+    ) -> Vec<(usize, Vector3<f64>)> {
+        let mut derivatives = Vec::new();
+        self.sides[0].angle_derivatives(schema, places[0], &mut derivatives);
+        let of_first = derivatives.len();
+        self.sides[1].angle_derivatives(schema, places[1], &mut derivatives);
+        derivatives[of_first..].iter_mut().for_each(|(_, derivative)| *derivative = -*derivative);
+        derivatives
+    }
+
+    /// How joints that are misread spread its two points: the sum of `∂p_C/∂q (∂p_C/∂q)ᵀ` over what turns between them, in the
     /// common ancestor's frame, m² a square radian.
     pub fn spread_by_angles(&self, schema: &BodySchema) -> Matrix3<f64> {
-        let mut derivatives = Vec::new();
-        for (side, end) in self.sides.iter().zip(&self.ends) {
-            side.angle_derivatives(schema, &end.position, &mut derivatives);
-        }
+        let derivatives = self.angle_derivatives(schema, self.ends.each_ref().map(|end| &end.position));
         derivatives.iter().map(|(_, derivative)| derivative * derivative.transpose()).sum()
     }
 

@@ -56,7 +56,7 @@ pub struct BabblingSession<'a> {
     setup: &'a SessionSetup,
     folder: PathBuf,
     session: Session,
-    /// The log, ready for the touch after those of `done`; none where all touches are made.
+    /// The log, ready for the touch after those of `done`; `None` if all touches are made.
     log: Option<TouchWriter<'a>>,
     /// Whether it was begun here, with an empty log.
     begun: bool,
@@ -77,7 +77,7 @@ pub struct BabbledSession {
     pub session: Session,
     /// Its touches.
     pub touches: Vec<RecordedTouch>,
-    /// What was learned from them on the way; none where nothing was, or it is not known any more.
+    /// What was learned from them on the way; `None` if nothing was, or it is not known any more.
     pub grown: Option<Growth>,
 }
 

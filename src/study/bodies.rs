@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::generated::GeneratedBody;
 use super::{By, Column, Row, Studied, Study, Trial};
+use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::deadline::{Deadline, Tally, apart, count};
 use crate::error::Error;
@@ -96,6 +97,27 @@ struct Way {
     input: Input,
     /// What is wrong with the senses, on a body of a person's size; lengths are in proportion.
     disturbances: DisturbanceLevels,
+}
+
+impl Way {
+    /// What is wrong with the senses of a body.
+    fn disturbances(&self, agent: &Agent) -> DisturbanceLevels {
+        let receptor_noise = LengthUnit::of(agent).metres() * self.disturbances.receptor_noise;
+        DisturbanceLevels { receptor_noise, ..self.disturbances }
+    }
+
+    /// The options of a session that learns of a body so, each after a blank.
+    fn options(&self, agent: &Agent) -> String {
+        let input = (self.input == Input::Contact).then(|| " --input contact".to_string());
+        let DisturbanceLevels { joint_noise, receptor_noise, false_touches, .. } = self.disturbances(agent);
+        let levels = [
+            ("joint-noise", joint_noise),
+            ("receptor-noise", receptor_noise),
+            ("false-touches", false_touches),
+        ];
+        let levels = levels.into_iter().filter(|(_, level)| *level > 0.0);
+        input.into_iter().chain(levels.map(|(name, level)| format!(" --{name} {level}"))).collect()
+    }
 }
 
 const EXACT: DisturbanceLevels =
@@ -183,14 +205,15 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
                    "whole": false, "pairs": 0, "determined": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
         });
-        describe(&mut row, way.name, &body);
+        let options = embodied.as_ref().map(|own| way.options(own.agent())).unwrap_or_default();
+        describe(&mut row, way.name, &body, &options);
         row
     };
     Ok(WAYS.iter().filter(|way| trial.asks(way.name)).map(row).collect())
 }
 
-/// Adds what was drawn and how it went in counts.
-fn describe(row: &mut Row, way: &str, body: &GeneratedBody) {
+/// Adds what was drawn, how it went in counts, and the command of a session with these `options`.
+fn describe(row: &mut Row, way: &str, body: &GeneratedBody, options: &str) {
     let drawn = json!(body.drawn);
     for name in
         ["family", "limbs", "dof", "hinges", "slides", "balls", "locked", "spins", "followers", "skew"]
@@ -211,7 +234,7 @@ fn describe(row: &mut Row, way: &str, body: &GeneratedBody) {
     counts.into_iter().for_each(|(name, holds)| row[name] = json!(holds));
     let babble = match row["policy"].as_str().and_then(|policy| policy.split_once(", ")) {
         Some(("random", learner)) => {
-            format!(" --policy random --learner {learner} --touches {}", row["touches"])
+            format!(" --policy random --learner {learner} --touches {}{}", row["touches"], options)
         }
         _ => String::new(),
     };
@@ -259,9 +282,7 @@ fn learn(
         // Ways share touches, and each has the work that these leave.
         let by = Deadline::after_work_of(LEARNING_SHARE * trial.seconds);
         count(babbled.work);
-        let unit = LengthUnit::of(embodied.agent()).metres();
-        let receptor_noise = unit * way.disturbances.receptor_noise;
-        let disturbances = DisturbanceLevels { receptor_noise, ..way.disturbances };
+        let disturbances = way.disturbances(embodied.agent());
         let how = LearningOptions {
             learner: way.learner,
             input: Some(way.input),

@@ -177,9 +177,10 @@ impl Actor {
         for _ in 0..DRAWN {
             let posture = self.own.random_posture(&from, joints, &mut rng);
             let frames = self.own.frames(&posture);
-            let better = best.as_ref().is_none_or(|(most, _)| score(self, &frames) > *most);
+            let scored = score(self, &frames);
+            let better = best.as_ref().is_none_or(|(most, _)| scored > *most);
             if better && clearance.free(&frames, DRAWN_CLEAR) {
-                best = Some((score(self, &frames), posture));
+                best = Some((scored, posture));
             }
         }
         best.map(|(_, posture)| posture)

@@ -26,7 +26,7 @@ use crate::schema::BodySchema;
 /// Repetitions of the likeliest error of a touch's posture: it is small, and the first leaves its square.
 const REPETITIONS: usize = 3;
 
-/// Touches that are adjusted: see the [module](self).
+/// Touches that are adjusted, as the head of this file says.
 #[derive(Clone, Debug)]
 pub struct Adjusted<'a> {
     /// The touches, in the postures in which they most likely were made.
@@ -173,19 +173,12 @@ impl Comparison<'_> {
 
     /// The derivatives of the gaps by what a touch may be turned by, gap by gap, metres a radian.
     fn slopes(&self, touch: &PreparedTouch, at: &Meeting) -> DMatrix<f64> {
-        let mut derivatives = Vec::new();
-        let mut of_first = 0;
-        for (side, place) in touch.sides.iter().zip(&at.places) {
-            of_first = derivatives.len();
-            side.angle_derivatives(self.schema, place, &mut derivatives);
-        }
+        let derivatives = touch.angle_derivatives(self.schema, at.places.each_ref());
         // There may be none: of slides alone nothing is misread.
         let mut slopes = DMatrix::zeros(at.gaps.len(), derivatives.len());
-        for (i, (mut column, (dof, derivative))) in slopes.column_iter_mut().zip(derivatives).enumerate() {
-            if !self.misread[dof] {
-                continue;
-            }
-            column.copy_from(&(at.along.tr_mul(&derivative) * if i < of_first { 1.0 } else { -1.0 }));
+        let columns = slopes.column_iter_mut().zip(derivatives);
+        for (mut column, (_, derivative)) in columns.filter(|(_, (dof, _))| self.misread[*dof]) {
+            column.copy_from(&at.along.tr_mul(&derivative));
         }
         slopes
     }
@@ -219,7 +212,7 @@ impl Comparison<'_> {
             let pull = factor.solve(&open);
             // As far off as a single gap would be that is as unlikely.
             let miss = (open.dot(&pull) / rows as f64 * variance).sqrt();
-            honest = self.noise.honest(self.width, miss, variance);
+            honest = self.noise.inlier_probability(self.width, miss, variance);
             error = -slopes.tr_mul(&pull) * (honest * self.noise.joint.powi(2));
             *touch = Comparison::turned(&read, &error);
         }

@@ -44,9 +44,9 @@ impl Noise {
         Noise { contact: deviation, joint: 0.0, receptor: 0.0, false_share: 0.0 }
     }
 
-    /// The variance of a gap that is its own, `σ₀² + σ_q² |∂g/∂q|²` and what it was told to have, m².
-    fn own_variance(&self, gap: &NoisyGap) -> f64 {
-        self.variance(gap) - 2.0 * self.receptor.powi(2)
+    /// The variance that is a gap's own, `σ₀² + σ_q² |∂g/∂q|²` and what it was told to have, m², by `|∂g/∂q|²` and that.
+    fn own_variance(&self, slope: f64, told: f64) -> f64 {
+        self.contact.powi(2) + self.joint.powi(2) * slope + self.bend() + told
     }
 
     /// The variance that shifts of skin along itself add, m²: to second order they move a surface of the radius `R` by
@@ -62,12 +62,12 @@ impl Noise {
 
     /// The same by `|∂g/∂q|²` and what it was told to have, m² a square radian and m².
     pub(super) fn variance_by(&self, slope: f64, told: f64) -> f64 {
-        self.contact.powi(2) + self.joint.powi(2) * slope + self.bend() + told + 2.0 * self.receptor.powi(2)
+        self.own_variance(slope, told) + 2.0 * self.receptor.powi(2)
     }
 
-    /// The probability that a touch is honest whose gap misses what is expected by so much, with such a variance, where a false one
+    /// The probability that a touch is an inlier whose gap misses what is expected by so much, with such a variance, where a false one
     /// may be so wide (metres, m², metres).
-    pub fn honest(&self, width: f64, miss: f64, variance: f64) -> f64 {
+    pub fn inlier_probability(&self, width: f64, miss: f64, variance: f64) -> f64 {
         let normal = (-0.5 * miss * miss / variance).exp() / (std::f64::consts::TAU * variance).sqrt();
         let (honest, other) = ((1.0 - self.false_share) * normal, self.false_share / width);
         if honest + other > 0.0 { honest / (honest + other) } else { 0.0 }
@@ -158,7 +158,7 @@ impl Noise {
         for _ in 0..STEPS {
             let mut sums = [[0.0; 2]; 2];
             for [slope, told, square, left] in &rows {
-                let variance = next.contact.powi(2) + next.joint.powi(2) * slope + next.bend() + told;
+                let variance = next.own_variance(*slope, *told);
                 let (up, down) = (square / (variance * variance), left / variance);
                 sums[0][0] += up;
                 sums[0][1] += down;
@@ -230,14 +230,17 @@ impl MixedSystem {
             .enumerate()
             .map(|(number, gap)| {
                 let (miss, variance) = match residuals {
-                    Some(residuals) => (residuals[number], noise.own_variance(gap)),
+                    Some(residuals) => (residuals[number], noise.own_variance(gap.slope, gap.told)),
                     None => (gap.gap, noise.variance(gap)),
                 };
-                noise.honest(gap.width, miss, variance)
+                noise.inlier_probability(gap.width, miss, variance)
             })
             .collect();
-        let weights: Vec<f64> =
-            gaps.iter().zip(&honest).map(|(gap, honest)| honest / noise.own_variance(gap)).collect();
+        let weights: Vec<f64> = gaps
+            .iter()
+            .zip(&honest)
+            .map(|(gap, honest)| honest / noise.own_variance(gap.slope, gap.told))
+            .collect();
         let mut places = Vec::new();
         let mut shifts = 0;
         if noise.receptor > 0.0 {
@@ -412,7 +415,8 @@ pub fn likeness(compared: Compared, touches: &TouchSet, gaps: &[NoisyGap], noise
                 gaps.iter().map(|gap| gap.normals[0] * deviations(gap)).sum::<Vector3<f64>>() / 3f64.sqrt()
             }
         };
-        let is_honest = |gap: &NoisyGap| noise.honest(gap.width, gap.gap, noise.variance(gap)) > 0.5;
+        let is_honest =
+            |gap: &NoisyGap| noise.inlier_probability(gap.width, gap.gap, noise.variance(gap)) > 0.5;
         let closed: Vec<(&NoisyGap, Vector3<f64>)> = own
             .chunks(compared.gaps_a_touch())
             .filter(|of_touch| of_touch.iter().all(is_honest))
@@ -501,7 +505,7 @@ mod tests {
     fn honest_touches_are_told_from_false_ones() {
         let noise = Noise { contact: 1e-3, joint: 0.0, receptor: 0.0, false_share: 0.2 };
         let gap = &gaps(&noise, 1, 1)[0];
-        assert!(noise.honest(gap.width, 1e-3, 1e-6) > 0.99);
-        assert!(noise.honest(gap.width, 1e-1, 1e-6) < 1e-6);
+        assert!(noise.inlier_probability(gap.width, 1e-3, 1e-6) > 0.99);
+        assert!(noise.inlier_probability(gap.width, 1e-1, 1e-6) < 1e-6);
     }
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::searching::StartSearch;
 use super::{FEW, MOST_NOISE, OPEN, SecondOrder};
 use crate::learning::Input;
 use crate::learning::annealing::{NARROWEST, gaps, quantile, typical_gap};
@@ -51,7 +50,7 @@ impl SecondOrder {
     /// touches that it was fitted to, metres.
     pub(super) fn judge(
         &self,
-        search: &StartSearch,
+        evidence: Evidence,
         fitted: &TouchSet,
         fresh: &TouchSet,
         start: &Start,
@@ -61,11 +60,11 @@ impl SecondOrder {
             return (f64::INFINITY, f64::INFINITY);
         }
         let known = fitted.filter(|pair| start.covers(pair));
-        let Evidence::Points { acceptance, .. } = search.evidence else {
+        let Evidence::Points { acceptance, .. } = evidence else {
             return self.judge_gaps(&known, &used, start);
         };
         // What few touches leave open is no noise.
-        if search.noisy && usual_point_misfit(&known, &start.schema) >= EXACTLY {
+        if evidence.may_be_noisy() && usual_point_misfit(&known, &start.schema) >= EXACTLY {
             return self.judge_gaps(&known, &used, start);
         }
         // Points without noise are their own proof. Touches of a limb that hardly any other tells of are not foretold.

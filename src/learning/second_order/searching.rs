@@ -56,8 +56,6 @@ const ENOUGH: usize = 3;
 pub(super) struct StartSearch<'a> {
     /// What the touches say, and how well an answer has to explain it.
     pub evidence: Evidence<'a>,
-    /// Whether two starts must agree on how much noise there is.
-    pub noisy: bool,
     /// Most starts.
     pub starts: usize,
 }
@@ -140,18 +138,18 @@ impl SecondOrder {
     pub(super) fn planned(&self, touches: &TouchSet, starts: usize) -> StartSearch<'_> {
         let evidence = self.evidence();
         if self.input != Input::Contact || self.frames == LimbFrames::Limb {
-            return StartSearch { evidence, noisy: !evidence.exact(), starts };
+            return StartSearch { evidence, starts };
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(NOISE_STREAM);
         let most = MOST_NOISE / taken_deviation(touches);
         let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng);
         match noise.filter(|noise| (VISIBLE_NOISE..=most).contains(&noise.of_points)) {
-            None => StartSearch { evidence, noisy: false, starts },
+            None => StartSearch { evidence, starts },
             Some(noise) => {
                 let evidence =
                     Evidence::Points { acceptance: NOISE_MARGIN, noise: Some(noise), patches: false };
-                StartSearch { evidence, noisy: true, starts: starts.min(NOISY_STARTS) }
+                StartSearch { evidence, starts: starts.min(NOISY_STARTS) }
             }
         }
     }
@@ -180,9 +178,9 @@ impl SecondOrder {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
             };
-            let (judged, noise) = self.judge(search, touches, fresh, &start);
+            let (judged, noise) = self.judge(search.evidence, touches, fresh, &start);
             // How wide noise leaves a part is for all touches to say.
-            start.accepted = judged <= 1.0 && (start.accepted || search.noisy);
+            start.accepted = judged <= 1.0 && (start.accepted || search.evidence.may_be_noisy());
             Judged { start, judged, noise }
         };
         // All cores make starts; which one is taken does not depend on how many there are.

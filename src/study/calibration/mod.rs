@@ -75,7 +75,7 @@ fn measured(data: Data, fault: Fault, seed: u64) -> Row {
         "falsely_not_calibrated": !calibrated && fault.is_harmless(),
         "named": made.faulty.as_ref().map(names),
         "to_be_named": made.faulty,
-        "after_mm": 1e3 * Misses::of(fit.honest()).rms,
+        "after_mm": 1e3 * Misses::of(fit.inliers()).rms,
         "deviations": offsets.fold(0.0, f64::max),
         "objections": objections.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
     })

@@ -19,7 +19,7 @@ pub(super) fn by_pair(found: &Calibration) -> String {
         let mut pair =
             found.touches[seen.touch].features(seen.ends).map(|feature| name_of(found.robot, feature));
         pair.sort_unstable();
-        let is_false = found.fit.noise.honesty(seen) <= 0.5;
+        let is_false = found.fit.noise.inlier_probability(seen) <= 0.5;
         pairs.entry(pair).or_default()[usize::from(is_false)].push(seen);
     }
     let mut pairs: Vec<_> = pairs.into_iter().collect();

@@ -80,7 +80,7 @@ pub fn residuals(found: &Calibration) -> Table {
         let touch = &found.touches[seen.touch];
         let [a, b] = touch.features(seen.ends).map(|feature| name_of(found.robot, feature));
         let [before, after] = [&was, seen].map(|seen| (1e3 * seen.apart()).to_string());
-        let honest = format!("{:.3}", found.fit.noise.honesty(seen));
+        let honest = format!("{:.3}", found.fit.noise.inlier_probability(seen));
         let own = [touch.line.to_string(), a, b, before, after, honest];
         own.into_iter().chain(joint_cells(found.robot, &touch.posture))
     });
