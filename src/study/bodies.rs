@@ -220,7 +220,6 @@ fn describe(row: &mut Row, way: &str, body: &GeneratedBody, options: &str) {
     {
         row[name] = drawn[name].clone();
     }
-    row["seed"] = json!(body.seed);
     row["limb_m"] = json!(body.drawn.length);
     row["way"] = json!(way);
     let outcome = row["outcome"].as_str().unwrap_or_default();

@@ -59,7 +59,6 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
         let run = subject.learn(&options, &touches, trial.seed);
         let mut row = json!(disturbances);
         row["disturbances"] = json!(disturbances.to_string());
-        row["seed"] = json!(trial.seed);
         row["converged"] = json!(run.converged());
         row["heldout_mm"] = json!(run.heldout_mm());
         row["hand_mm"] = json!(run.hand_mm());

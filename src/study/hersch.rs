@@ -183,7 +183,6 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             "given": given.name(),
             "initial_guess": condition.guess(),
             "rule": name,
-            "seed": seed,
             "touches": touches.len(),
             "before_mm": before_mm,
             "heldout_mm": heldout_mm,

@@ -52,7 +52,6 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             rows.push(json!({
                 "learner": name,
                 "touches": count,
-                "seed": trial.seed,
                 "heldout_mm": run.heldout_mm(),
                 "hand_mm": run.hand_mm(),
                 "converged": run.converged(),

@@ -20,7 +20,7 @@ mod subject;
 mod table;
 
 pub use run::{Asked, Findings, StudyOptions, StudyRun, Trial};
-pub use shares::{MOST_TRIALS, MadeTrials, StudyShare};
+pub use shares::StudyShare;
 pub use subject::Subject;
 pub use table::{By, Column, Row, Table};
 
@@ -55,7 +55,7 @@ pub struct Study {
     pub columns: &'static [Column],
     /// How to read the table, in sentences.
     pub notes: &'static [&'static str],
-    /// The rows of a trial. An attempt that fails is a measurement; only what cannot be measured is an error.
+    /// The rows of a trial, without its seed. An attempt that fails is a measurement; only what cannot be measured is an error.
     pub run: fn(&Trial) -> Result<Vec<Row>, Error>,
 }
 

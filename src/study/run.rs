@@ -14,23 +14,34 @@ use crate::error::Error;
 use crate::mujoco;
 use crate::session::{Embodied, PROGRAM, SCHEMA_FILE, files, model_hash};
 
+/// Trials of a study at most.
+pub const MOST_TRIALS: u64 = 1_000_000;
 /// Touches from which a creature that acts learns its body if no session is named and no number is asked for.
 const LEARNED_FROM: usize = 1000;
 
 /// What a study can be asked for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct StudyOptions {
-    /// Trials.
+    /// Trials, each with touches and initial guesses of its own
+    #[cfg_attr(feature = "cli", arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS)))]
     pub trials: u64,
-    /// The seed of the first trial; the next ones count on from it.
+    /// Seed of the first trial; the next ones count on from it
+    #[cfg_attr(feature = "cli", arg(long, default_value_t = 1))]
     pub seed: u64,
-    /// Names or parts of names of cases; all cases if there are none.
+    /// Only this case: its name, or a part of the names of several; can be given several times
+    #[cfg_attr(feature = "cli", arg(long = "case", visible_alias = "way", value_name = "CASE"))]
     pub cases: Vec<String>,
-    /// Touches of a trial.
+    /// Touches of a trial, of studies that babble; of acting, from which the body is learned [default: 1000; of hersch 20000]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..)))]
     pub touches: Option<usize>,
-    /// Work of a case, in seconds of one core.
+    /// Work that a case may take, its touches included, of the study bodies: about what one core does in so many seconds
+    /// [default: 50]
+    #[cfg_attr(feature = "cli", arg(long))]
     pub seconds: Option<f64>,
-    /// The session in which a creature that acts has learned its body.
+    /// The session in which the creature has learned its body, of the study acting [default: it babbles and learns by the first
+    /// seed]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SESSION"))]
     pub session: Option<PathBuf>,
 }
 
@@ -194,6 +205,9 @@ impl StudyRun {
         if options.session.is_some() && !acts {
             return refused("--session");
         }
+        if options.seconds.is_some_and(|seconds| seconds.is_nan() || seconds <= 0.0) {
+            return Err(Error::usage("--seconds: give a number above 0"));
+        }
         if options.seed.checked_add(options.trials).is_none() {
             return Err(Error::usage("the last trial's seed would be too great: give a smaller --seed"));
         }
@@ -240,7 +254,8 @@ impl StudyRun {
         };
         let began = Instant::now();
         // Each counts its own work, though a thread may begin another one while it waits.
-        let rows = apart(|| (self.study.run)(&trial)).0?;
+        let mut rows = apart(|| (self.study.run)(&trial)).0?;
+        rows.iter_mut().for_each(|row| row["seed"] = json!(seed));
         Ok(TrialRecord { seconds: began.elapsed().as_secs_f64(), rows })
     }
 
@@ -258,12 +273,13 @@ impl Findings {
     /// What trials come to, in the order of their seeds.
     pub(super) fn of(asked: Asked, trials: Vec<TrialRecord>) -> Result<Findings, Error> {
         let study = asked.study()?;
-        let (mut seconds, mut rows) = (0.0, Vec::new());
-        for trial in trials {
-            seconds += trial.seconds;
-            rows.extend(trial.rows);
-        }
-        Ok(Findings { study, asked, seconds, rows })
+        let seconds = trials.iter().map(|trial| trial.seconds).sum();
+        Ok(Findings {
+            study,
+            asked,
+            seconds,
+            rows: trials.into_iter().flat_map(|trial| trial.rows).collect(),
+        })
     }
 
     /// All measurements.
@@ -289,42 +305,32 @@ impl Findings {
         all
     }
 
-    /// Its summary for a person, in lines.
-    pub fn lines(&self) -> Vec<String> {
-        let mut lines = vec![format!("study {}: {}", self.study.name, self.study.about)];
-        lines.extend(self.asked.heading());
-        lines.push(String::new());
-        lines.extend(self.summary().lines());
-        lines.push(String::new());
-        lines.extend(self.study.notes.iter().map(ToString::to_string));
-        lines.push("Medians over the trials, unless a column is a count or a share.".into());
-        lines.push(format!("\n{:.0} s of trials", self.seconds));
-        lines
+    /// The question, who was studied and how often, in lines.
+    pub fn heading(&self) -> Vec<String> {
+        let question = format!("study {}: {}", self.study.name, self.study.about);
+        std::iter::once(question).chain(self.asked.heading()).collect()
+    }
+
+    /// How to read the summary, in lines.
+    pub fn notes(&self) -> Vec<String> {
+        let medians = "Medians over the trials, unless a column is a count or a share.";
+        let notes = self.study.notes.iter().chain([&medians]).map(ToString::to_string);
+        notes.chain([format!("\n{:.0} s of trials", self.seconds)]).collect()
     }
 }
 
 /// The cases of a study that are meant: those of these names, or whose names hold these words; all if none is named.
 fn chosen(study: &Study, named: &[String]) -> Result<Vec<String>, Error> {
     let all = (study.cases)();
-    let mut meant = vec![false; all.len()];
-    for word in named {
-        let exactly = all.contains(word);
-        let is_meant = |case: &String| if exactly { case == word } else { case.contains(word.as_str()) };
-        if !all.iter().any(is_meant) {
-            return Err(Error::usage(format!(
-                "study {} has no case {word}: choose from {}",
-                study.name,
-                all.join("; ")
-            )));
-        }
-        meant.iter_mut().zip(&all).for_each(|(meant, case)| *meant |= is_meant(case));
+    let means = |word: &String, case: &String| {
+        if all.contains(word) { case == word } else { case.contains(word.as_str()) }
+    };
+    if let Some(word) = named.iter().find(|word| !all.iter().any(|case| means(word, case))) {
+        let choices = all.join("; ");
+        return Err(Error::usage(format!("study {} has no case {word}: choose from {choices}", study.name)));
     }
-    Ok(all
-        .into_iter()
-        .zip(meant)
-        .filter(|(_, meant)| named.is_empty() || *meant)
-        .map(|(case, _)| case)
-        .collect())
+    let is_meant = |case: &&String| named.is_empty() || named.iter().any(|word| means(word, case));
+    Ok(all.iter().filter(is_meant).cloned().collect())
 }
 
 /// The SHA-256 of a file.

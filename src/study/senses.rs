@@ -114,7 +114,6 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             None => json!({"reported": "no room for it"}),
         };
         row["done"] = json!(doing.name());
-        row["seed"] = json!(trial.seed);
         rows.push(row);
     }
     Ok(rows)

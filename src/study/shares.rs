@@ -8,14 +8,12 @@ use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::run::TrialRecord;
+use super::run::{MOST_TRIALS, TrialRecord};
 use super::{Asked, Findings, StudyOptions, StudyRun};
 use crate::error::Error;
-use crate::session::{STUDY_SHARE_FILE, ShareRecord, Shares, Unready, files, made_shares, write_whole};
+use crate::session::{STUDY_SHARE_FILE, ShareRecord, files, write_whole};
 use crate::share::Share;
 
-/// Trials of a study at most.
-pub const MOST_TRIALS: u64 = 1_000_000;
 /// Where trials are, in the folder of a share.
 const TRIALS_FOLDER: &str = "trials";
 
@@ -30,13 +28,6 @@ pub struct StudyShare {
     pub command: Vec<String>,
     /// What all shares of one study have in common.
     pub asked: Asked,
-}
-
-/// All trials of a study, in one folder or several.
-pub struct MadeTrials {
-    asked: Asked,
-    /// The file of each trial, by its seed.
-    files: BTreeMap<u64, PathBuf>,
 }
 
 impl ShareRecord for StudyShare {
@@ -107,41 +98,26 @@ impl StudyShare {
         (0..share.of_first(seeds.end - seeds.start)).map(|own| seeds.start + share.piece(own)).collect()
     }
 
-    /// The file of each of its trials in its folder, by seed.
-    fn files(&self, folder: &Path) -> impl Iterator<Item = (u64, PathBuf)> {
-        self.seeds().into_iter().map(move |seed| (seed, trial_file(folder, seed)))
-    }
-
     /// The seeds of those of its trials that are not in a folder.
     pub fn missing(&self, folder: &Path) -> Vec<u64> {
         self.seeds().into_iter().filter(|&seed| !trial_file(folder, seed).exists()).collect()
     }
 }
 
-impl MadeTrials {
-    /// The trials in the folder of a study that one process makes whole.
-    pub fn whole(share: StudyShare, folder: &Path) -> MadeTrials {
-        MadeTrials { files: share.files(folder).collect(), asked: share.asked }
-    }
-
-    /// The trials of all shares, or which shares are not made.
+impl Findings {
+    /// What the trials of shares come to that are all made, each in its folder.
     ///
     /// # Errors
-    /// If a file cannot be read, or shares are not of one study.
-    pub(crate) fn of_shares(shares: &Shares) -> Result<Result<MadeTrials, Unready>, Error> {
-        Ok(made_shares::<StudyShare>(shares)?.map(|made| {
-            let files = made.iter().flat_map(|(_, folder, share)| share.files(folder)).collect();
-            MadeTrials { asked: made[0].2.asked.clone(), files }
-        }))
-    }
-
-    /// What they come to.
-    ///
-    /// # Errors
-    /// If a file cannot be read, or holds no trial.
-    pub fn findings(self) -> Result<Findings, Error> {
+    /// If there is no share, a file cannot be read, or holds no trial.
+    pub(crate) fn of_shares(shares: &[(Share, PathBuf, StudyShare)]) -> Result<Findings, Error> {
+        let (.., first) = shares.first().ok_or_else(|| Error::usage("there is no share of the study"))?;
+        let files = |(_, folder, share): &(Share, PathBuf, StudyShare)| {
+            let file = |seed| (seed, trial_file(folder, seed));
+            share.seeds().into_iter().map(file).collect::<Vec<_>>()
+        };
+        let files: BTreeMap<u64, PathBuf> = shares.iter().flat_map(files).collect();
         let trial = |file: &PathBuf| read::<TrialRecord>(file, "a trial of a study");
-        Findings::of(self.asked, self.files.values().map(trial).collect::<Result<_, _>>()?)
+        Findings::of(first.asked.clone(), files.values().map(trial).collect::<Result<_, _>>()?)
     }
 }
 

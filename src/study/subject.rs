@@ -1,14 +1,13 @@
 //! Who is studied: a creature that babbles, learns and is measured against the truth.
 
+use std::ops::Deref;
 use std::path::Path;
 
-use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName};
-use crate::creature::{Body, JointSelection};
+use crate::creature::JointSelection;
 use crate::deadline::apart;
 use crate::error::Error;
 use crate::evaluation::{Evaluation, evaluate_learned};
-use crate::ground_truth::GroundTruth;
 use crate::learning::{Learned, Verdict};
 use crate::peripersonal::{CollisionChecker, OwnBody};
 use crate::senses::RecordedTouch;
@@ -43,6 +42,14 @@ pub(super) struct LearnerRun {
     pub evaluation: Evaluation,
     /// Work of learning, in seconds of one core.
     pub work_s: f64,
+}
+
+impl Deref for Subject {
+    type Target = Embodied;
+
+    fn deref(&self) -> &Embodied {
+        &self.embodied
+    }
 }
 
 impl Subject {
@@ -80,7 +87,7 @@ impl Subject {
                             "the session is of another creature, or of other joints, than {} with --joints {}: give the \
                              model and joints that it was babbled with",
                             self.model().display(),
-                            self.joints()
+                            self.source().joints
                         ),
                     ));
                 }
@@ -89,36 +96,6 @@ impl Subject {
         };
         let truth = own.with_schema(self.truth().schema.clone());
         Ok(Subject { known: Some([own, truth].map(Knowledge::new)), ..self })
-    }
-
-    /// The creature in its model.
-    pub fn body(&self) -> &Body {
-        self.embodied.body()
-    }
-
-    /// What it is given of itself.
-    pub fn agent(&self) -> &Agent {
-        self.embodied.agent()
-    }
-
-    /// The truth, for measures alone.
-    pub fn truth(&self) -> &GroundTruth {
-        self.embodied.truth()
-    }
-
-    /// The model's file.
-    pub fn model(&self) -> &Path {
-        self.embodied.model()
-    }
-
-    /// The joints that move.
-    pub fn joints(&self) -> &JointSelection {
-        &self.embodied.source().joints
-    }
-
-    /// The name of a limb.
-    pub(super) fn limb(&self, limb: usize) -> &str {
-        &self.body().creature.limbs()[limb]
     }
 
     /// What it has learned of its body before the trials, and the truth of the same.

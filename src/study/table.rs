@@ -1,6 +1,8 @@
-//! Tables: rows of named values, summarized by case, for a person, as JSON and as comma-separated values alike.
+//! Tables: rows of named values, and their summary by case.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
+
+use crate::evaluation::Summary;
 
 /// A measurement: a JSON object with a value per column. A value that is null or left out does not exist, such as the error of
 /// an attempt that failed.
@@ -41,103 +43,68 @@ impl Column {
     }
 }
 
-/// Rows of values under names.
+/// Rows of values under names, in the order of their columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    names: Vec<String>,
-    rows: Vec<Vec<Value>>,
+    /// The names of the columns.
+    pub names: Vec<String>,
+    /// The rows, each an object with a value per column.
+    pub rows: Vec<Row>,
 }
 
 impl Table {
     /// All measurements.
     pub fn of(columns: &[Column], rows: &[Row]) -> Table {
-        let names = columns.iter().map(|column| column.name.to_string()).collect();
-        let values = |row: &Row| columns.iter().map(|column| row[column.name].clone()).collect();
-        Table { names, rows: rows.iter().map(values).collect() }
+        let names: Vec<String> = columns.iter().map(|column| column.name.to_string()).collect();
+        let kept = |row: &Row| names.iter().map(|name| (name.clone(), row[name].clone())).collect();
+        Table { rows: rows.iter().map(kept).collect(), names }
     }
 
-    /// A row per case, in the order in which cases occur first.
+    /// A row per case, in the order in which cases occur first, followed by one per part if the cases have parts.
     pub fn summary(columns: &[Column], rows: &[Row]) -> Table {
         let with = |by: By| columns.iter().filter(move |column| column.by.contains(&by));
         let cases: Vec<&str> = with(By::Case).map(|column| column.name).collect();
         let part = with(By::Part).map(|column| column.name).next();
-        let mut groups: Vec<(Vec<Value>, Vec<&Row>)> = Vec::new();
-        for row in rows {
-            let case = || cases.iter().map(|case| row[*case].clone());
-            let keys = match part {
-                Some(part) => vec![json!("all"), row[part].clone()].into_iter().map(Some).collect(),
-                None => vec![None],
-            };
-            for part in keys {
-                let key: Vec<Value> = case().chain(part).collect();
-                match groups.iter_mut().find(|(other, _)| *other == key) {
-                    Some((_, rows)) => rows.push(row),
-                    None => groups.push((key, vec![row])),
-                }
-            }
-        }
-        // Parts follow their case, whichever case occurred in between.
-        let first =
-            |key: &[Value]| groups.iter().position(|(other, _)| other[..cases.len()] == key[..cases.len()]);
-        let order: Vec<usize> = groups.iter().filter_map(|(key, _)| first(key)).collect();
-        let mut placed: Vec<_> = order.into_iter().zip(groups).collect();
-        placed.sort_by_key(|(first, _)| *first);
         let measures = || {
             let of = columns.iter().flat_map(|column| column.by.iter().map(move |by| (column.name, *by)));
             of.filter(|(_, by)| !matches!(by, By::Case | By::Part))
         };
-        let names = cases.iter().copied().chain(part).map(String::from).chain([String::from("trials")]);
-        let names = names.chain(measures().map(|(name, by)| by.name_of(name))).collect();
-        let line = |(_, (key, rows)): (usize, (Vec<Value>, Vec<&Row>))| {
-            let values = measures().map(|(name, by)| by.of(rows.iter().map(|row| &row[name])));
-            key.into_iter().chain([json!(rows.len())]).chain(values).collect()
+        let line = |rows: &[&Row], of_part: Value| -> Row {
+            let of_case = cases.iter().map(|case| (case.to_string(), rows[0][*case].clone()));
+            let measured = measures().map(|(name, by)| (by.name_of(name), by.of(rows, name)));
+            let counted = ("trials".to_string(), json!(rows.len()));
+            let part = part.map(|part| (part.to_string(), of_part));
+            of_case.chain(part).chain([counted]).chain(measured).collect()
         };
-        Table { names, rows: placed.into_iter().map(line).collect() }
+        let mut lines = Vec::new();
+        for of_case in grouped(rows, &cases) {
+            lines.push(line(&of_case, json!("all")));
+            if let Some(part) = part {
+                let parts = grouped(of_case, &[part]);
+                lines.extend(parts.iter().map(|rows| line(rows, rows[0][part].clone())));
+            }
+        }
+        let names = cases.iter().copied().chain(part).chain(["trials"]).map(String::from);
+        Table { names: names.chain(measures().map(|(name, by)| by.name_of(name))).collect(), rows: lines }
     }
 
     /// An array with an object per row.
     pub fn to_json(&self) -> Value {
-        let object = |row: &Vec<Value>| {
-            let fields = self.names.iter().cloned().zip(row.iter().cloned());
-            Value::Object(fields.collect::<Map<_, _>>())
-        };
-        Value::Array(self.rows.iter().map(object).collect())
+        json!(self.rows)
     }
+}
 
-    /// A line of names and a line per row; numbers in the shortest form that reads back to the same bits.
-    ///
-    /// # Errors
-    /// If there is no memory left to write to.
-    pub fn to_csv(&self) -> Result<String, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&self.names)?;
-        for row in &self.rows {
-            writer.write_record(row.iter().map(|value| match value {
-                Value::Null => String::new(),
-                Value::String(words) => words.clone(),
-                other => other.to_string(),
-            }))?;
+/// Rows that are alike in some columns together, in the order in which these values occur first.
+fn grouped<'a>(rows: impl IntoIterator<Item = &'a Row>, columns: &[&str]) -> Vec<Vec<&'a Row>> {
+    let mut groups: Vec<Vec<&Row>> = Vec::new();
+    for row in rows {
+        let is_alike = |group: &&mut Vec<&Row>| columns.iter().all(|name| group[0][*name] == row[*name]);
+        match groups.iter_mut().find(is_alike) {
+            Some(group) => group.push(row),
+            None => groups.push(vec![row]),
         }
-        let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
-
-    /// Its lines for a person, names first, words to the left and numbers to the right.
-    pub fn lines(&self) -> Vec<String> {
-        let all: Vec<Vec<String>> = std::iter::once(self.names.clone())
-            .chain(self.rows.iter().map(|row| row.iter().map(in_words).collect()))
-            .collect();
-        let width = |k: usize| all.iter().map(|line| line[k].chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..self.names.len()).map(width).collect();
-        let is_words = |k: usize| self.rows.iter().any(|row| row[k].is_string());
-        let line = |cells: &Vec<String>| {
-            let cells = cells.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
-                if is_words(k) { format!("  {cell:<width$}") } else { format!("  {cell:>width$}") }
-            });
-            cells.collect::<String>().trim_end().to_string()
-        };
-        all.iter().map(line).collect()
-    }
+    groups
 }
 
 impl By {
@@ -150,53 +117,22 @@ impl By {
         }
     }
 
-    /// What values come to; null if none of them exists.
-    fn of<'a>(self, values: impl Iterator<Item = &'a Value>) -> Value {
+    /// The summary of a column of some rows; null if no value of it exists.
+    fn of(self, rows: &[&Row], column: &str) -> Value {
         let number = |value: &Value| value.as_f64().or_else(|| Some(f64::from(u8::from(value.as_bool()?))));
-        let numbers: Vec<f64> = values.filter_map(number).collect();
-        let sum = || numbers.iter().sum::<f64>();
+        let numbers: Vec<f64> = rows.iter().filter_map(|row| number(&row[column])).collect();
+        let all = Summary::of(numbers.iter().copied());
+        let sum = numbers.iter().sum::<f64>();
         json!(match self {
             _ if numbers.is_empty() => f64::NAN,
             By::Case | By::Part => f64::NAN,
-            By::Median => median(&numbers),
+            By::Median => all.median,
             By::Least => numbers.iter().copied().fold(f64::INFINITY, f64::min),
-            By::Most => numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            By::Share => sum() / numbers.len() as f64,
-            By::Sum if sum().fract() == 0.0 => return json!(sum() as i64),
-            By::Sum => sum(),
+            By::Most => all.max,
+            By::Share => all.mean,
+            By::Sum if sum.fract() == 0.0 => return json!(sum as i64),
+            By::Sum => sum,
         })
-    }
-}
-
-/// The middle value, or the mean of the middle two; NaN of none.
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match sorted.len() {
-        0 => f64::NAN,
-        count => 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]),
-    }
-}
-
-/// A value as a person reads it: numbers to three digits, a dash for what does not exist.
-fn in_words(value: &Value) -> String {
-    match value {
-        Value::Null => "–".into(),
-        Value::Bool(holds) => if *holds { "yes" } else { "no" }.into(),
-        Value::String(words) => words.clone(),
-        Value::Number(number) if number.is_f64() => three_digits(number.as_f64().unwrap_or(f64::NAN)),
-        other => other.to_string(),
-    }
-}
-
-fn three_digits(number: f64) -> String {
-    match number.abs() {
-        0.0 => "0".into(),
-        x if !(1e-3..1e6).contains(&x) => format!("{number:.1e}"),
-        x if x >= 100.0 => format!("{number:.0}"),
-        x if x >= 10.0 => format!("{number:.1}"),
-        x if x >= 1.0 => format!("{number:.2}"),
-        _ => format!("{number:.3}"),
     }
 }
 
@@ -221,21 +157,6 @@ mod tests {
             row("lm", "star", 2, 4.0, Some(false)),
             row("a, \"b\"", "tree", 2, 123.4, None),
         ]
-    }
-
-    #[test]
-    fn measurements_are_the_same_in_every_form() {
-        let table = Table::of(COLUMNS, &rows());
-        let csv = table.to_csv().unwrap();
-        assert!(
-            csv.starts_with("way,family,seed,error_mm,right,claims\nlm,hand,1,0.30000000000000004,true,1\n"),
-            "{csv}"
-        );
-        assert!(csv.contains("\n\"a, \"\"b\"\"\",hand,1,,,1\n"), "{csv}");
-        assert_eq!(table.to_json()[0], rows()[0]);
-        assert_eq!(serde_json::from_str::<Value>(&table.to_json().to_string()).unwrap(), table.to_json());
-        assert!(table.lines()[2].contains('–'), "{:?}", table.lines());
-        assert_eq!([2.34e-9, 0.0123, 1.2345, 123.4].map(three_digits), ["2.3e-9", "0.012", "1.23", "123"]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use super::text::{error_number, escape};
+use crate::study;
 
 /// What a cell holds whose value does not exist.
 pub(crate) const NONE: &str = "–";
@@ -30,6 +31,25 @@ impl Table {
         let row = |row: &Value| columns.iter().map(|(_, field)| in_words(&row[*field])).collect::<Vec<_>>();
         let rows = rows.as_array().into_iter().flatten();
         Table::new(columns.iter().map(|(title, _)| *title), rows.map(row))
+    }
+
+    /// The table of a study, for a person.
+    pub fn of_study(table: &study::Table) -> Table {
+        Table::of_cells(table, in_words)
+    }
+
+    /// The same for a file: numbers in the shortest form that reads back to the same bits.
+    pub fn exact_of_study(table: &study::Table) -> Table {
+        Table::of_cells(table, |value| match value {
+            Value::Null => String::new(),
+            Value::String(words) => words.clone(),
+            other => other.to_string(),
+        })
+    }
+
+    fn of_cells(table: &study::Table, cell: fn(&Value) -> String) -> Table {
+        let row = |row: &Value| table.names.iter().map(|name| cell(&row[name])).collect::<Vec<_>>();
+        Table::new(&table.names, table.rows.iter().map(row))
     }
 
     /// Whether there is no row.
@@ -121,6 +141,8 @@ fn in_words(value: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     #[test]
@@ -132,5 +154,19 @@ mod tests {
         assert_eq!(table.csv(), "limb,mm,why\n\"a, b\",< 0.001,\n<c>,–,x\n");
         let html = table.html("limbs");
         assert!(html.contains("<td class=\"number open\">–</td><td>x</td>") && html.contains("&lt;c&gt;"));
+    }
+
+    #[test]
+    fn measurements_of_a_study_keep_all_their_digits_in_a_file() {
+        let columns = ["way", "error_mm", "right"].map(|name| study::Column::new(name, &[]));
+        let rows = [
+            json!({"way": "a, \"b\"", "error_mm": 0.1 + 0.2, "right": true}),
+            json!({"way": "lm", "error_mm": f64::NAN}),
+        ];
+        let table = study::Table::of(&columns, &rows);
+        let csv = Table::exact_of_study(&table).csv();
+        assert_eq!(csv, "way,error_mm,right\n\"a, \"\"b\"\"\",0.30000000000000004,true\nlm,,\n");
+        let lines: Vec<String> = Table::of_study(&table).lines().collect();
+        assert!(lines[1].contains("0.300") && lines[2].contains('–'), "{lines:?}");
     }
 }

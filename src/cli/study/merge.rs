@@ -9,10 +9,10 @@ use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{
     BabbledShares, BabblingSession, FolderLock, Observer, SESSION_FILE, STUDY_FILE, ShareRecord, Shares,
-    Unready,
+    Unready, made_shares,
 };
 use crate::share::Share;
-use crate::study::{MadeTrials, StudyShare};
+use crate::study::{Findings, StudyShare};
 use crate::view::text::shell_words;
 
 /// Put together the shares of a session or of a study.
@@ -43,8 +43,8 @@ pub struct MergeArguments {
 pub fn run(args: &MergeArguments) -> Outcome {
     let shares = Shares::find(&args.folder)?;
     if shares.begun().any(|(_, folder)| StudyShare::is_in(folder)) {
-        return match MadeTrials::of_shares(&shares)? {
-            Ok(trials) if !args.missing => study(args, trials),
+        return match made_shares::<StudyShare>(&shares)? {
+            Ok(made) if !args.missing => study(args, &made),
             found => tell_unready(args, found.err()),
         };
     }
@@ -66,7 +66,7 @@ fn tell_unready(args: &MergeArguments, unready: Option<Unready>) -> Outcome {
 }
 
 /// Puts a study together.
-fn study(args: &MergeArguments, trials: MadeTrials) -> Outcome {
+fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcome {
     let folder = &args.folder;
     if folder.join(STUDY_FILE).exists() {
         // One who was killed when all was done left nothing to do but this.
@@ -74,7 +74,7 @@ fn study(args: &MergeArguments, trials: MadeTrials) -> Outcome {
         tell!("{} is complete: nothing is left to do", folder.display());
         return Ok(());
     }
-    let findings = trials.findings()?;
+    let findings = Findings::of_shares(made)?;
     let lock = free_folder(Some(folder), Force::default(), "study", &FILES, |_| folder.clone())?;
     save(&findings, &lock, args.json)
 }

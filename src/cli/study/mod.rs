@@ -11,7 +11,6 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::arguments::{positive, touch_count};
 use super::folders::{Force, free_folder, take_share};
 use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::{Failure, Outcome, output, progress};
@@ -19,9 +18,8 @@ use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::session::{FolderLock, STUDY_FILE, ShareRecord};
 use crate::share::Share;
-use crate::study::{
-    Findings, MOST_TRIALS, MadeTrials, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare,
-};
+use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare};
+use crate::view::table::Table;
 use crate::view::text::plural;
 
 /// The measurements, in the study's folder.
@@ -70,30 +68,12 @@ struct RunArguments {
     model: PathBuf,
     #[command(flatten)]
     open: ModelArguments,
-    /// Trials, each with touches and initial guesses of its own
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
-    trials: u64,
-    /// Seed of the first trial; the next ones count on from it
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Only this case: its name, or a part of the names of several; can be given several times
-    #[arg(long = "case", visible_alias = "way", value_name = "CASE")]
-    cases: Vec<String>,
-    /// Touches of a trial, of studies that babble; of acting, from which the body is learned [default: 1000; of hersch 20000]
-    #[arg(long, value_parser = touch_count)]
-    touches: Option<usize>,
-    /// Work that a case may take, its touches included, of the study bodies: about what one core does in so many seconds
-    /// [default: 50]
-    #[arg(long, value_parser = positive)]
-    seconds: Option<f64>,
+    #[command(flatten)]
+    options: StudyOptions,
     /// The joints that move: a set that the model names (torso), all, or names separated by commas
     /// [default: torso if the model names it, else all]
     #[arg(long)]
     joints: Option<JointSelection>,
-    /// The session in which the creature has learned its body, of the study acting [default: it babbles and learns by the first
-    /// seed]
-    #[arg(long, value_name = "SESSION")]
-    session: Option<PathBuf>,
     /// Threads; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -152,20 +132,12 @@ impl RunArguments {
         let trials = lock.place().join(TRIALS_FOLDER);
         fs::create_dir_all(&trials).map_err(Error::unwritable(&trials))?;
         make(&run, &share, &trials)?;
-        save(&MadeTrials::whole(share, &trials).findings()?, &lock, self.json)?;
+        save(&Findings::of_shares(&[(Share::WHOLE, trials.clone(), share)])?, &lock, self.json)?;
         Ok(fs::remove_dir_all(&trials).map_err(Error::unwritable(&trials))?)
     }
 
     /// The study made ready.
     fn prepared(&self, study: &'static Study) -> Result<StudyRun, Failure> {
-        let options = StudyOptions {
-            trials: self.trials,
-            seed: self.seed,
-            cases: self.cases.clone(),
-            touches: self.touches,
-            seconds: self.seconds,
-            session: self.session.clone(),
-        };
         let creature = if study.of == Studied::Generated {
             let given = [
                 (self.model != Path::new(MAX), "the model"),
@@ -183,7 +155,7 @@ impl RunArguments {
             is_there(&self.model, &format!("study {}", study.name))?;
             Some(embodied(self.open.source(&self.model, self.joints.clone().unwrap_or_default()))?)
         };
-        Ok(StudyRun::new(study, options, creature)?)
+        Ok(StudyRun::new(study, self.options.clone(), creature)?)
     }
 
     /// The folder of a study that is made whole: the one named, else the first that is free, or holds the beginning of this
@@ -258,12 +230,16 @@ fn save(findings: &Findings, lock: &FolderLock, as_json: bool) -> Outcome {
     let result = findings.to_json(&place);
     let folder = lock.part()?;
     output::file(&folder.join(STUDY_FILE), format!("{}\n", serde_json::to_string_pretty(&result)?))?;
-    output::file(&folder.join(TABLE_FILE), findings.table().to_csv()?)?;
+    output::file(&folder.join(TABLE_FILE), Table::exact_of_study(&findings.table()).csv())?;
     lock.commit()?;
     if as_json {
         return output::json(&result);
     }
-    findings.lines().iter().for_each(|line| say!("{line}"));
+    findings.heading().iter().for_each(|line| say!("{line}"));
+    say!("");
+    output::table(&Table::of_study(&findings.summary()));
+    say!("");
+    findings.notes().iter().for_each(|line| say!("{line}"));
     say!("{TABLE_FILE} and {STUDY_FILE} are in {}", place.display());
     Ok(())
 }

@@ -45,7 +45,7 @@ struct Coming {
 }
 
 pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
-    let creature = &scene.subject.body().creature;
+    let creature = scene.subject.creature();
     // What nothing moves cannot avoid anything.
     let moves = |aura: &usize| {
         let limbs = &creature.aura_limbs()[*aura].limbs;

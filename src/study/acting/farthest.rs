@@ -73,7 +73,7 @@ fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result
         [&spot, &by_truth].map(|spot| spot.as_ref().map_or(0.0, |spot| forward(&spot.posture)));
     let mut row = json!({
         "schema": "learned",
-        "limb": scene.subject.limb(limb),
+        "limb": scene.subject.creature().limbs()[limb],
         "forward_m": reached,
         "of_true_reach": reached / possible.max(reached),
         "done": false,

@@ -97,7 +97,6 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     for (name, task) in TASKS.into_iter().filter(|(name, _)| trial.asks(name)) {
         for mut row in task(&scene)? {
             row["task"] = json!(name);
-            row["seed"] = json!(trial.seed);
             all.push(row);
         }
     }
@@ -129,7 +128,7 @@ impl Scene<'_> {
 
     /// A creature with what it knows among some things.
     fn among(&self, known: &Knowledge, things: Vec<Thing>) -> Result<OnStage, Error> {
-        let stage = self.subject.stage(self.subject.joints(), &[], things)?;
+        let stage = self.subject.stage(&self.subject.source().joints, &[], things)?;
         let (own, clearance) = (known.own.clone(), known.clearance.clone());
         let actor = Actor::with_clearance(own, clearance, stage.handle(), HANDS, self.seed);
         let actor = actor.map_err(|error| Error::unfit(self.subject.model(), error.to_string()))?;

@@ -68,7 +68,6 @@ fn measured(data: Data, fault: Fault, seed: u64) -> Row {
     json!({
         "data": data.name(),
         "case": fault.name(),
-        "seed": seed,
         "touches": made.touches.len(),
         "calibrated": calibrated,
         "falsely_calibrated": calibrated && !fault.is_harmless(),

@@ -3,9 +3,10 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::draw::quaternion;
-use super::joints::{Freedom, Joining, Moves};
+use super::joints::{Freedom, Joining};
 use super::limb::{limb_shapes, palm_shape};
 use super::tree::{Mount, Tree};
+use crate::creature::DofKind;
 
 /// Shares of a palm's length that the bones of a finger have, from the palm on.
 const BONES: [f64; 3] = [0.55, 0.4, 0.3];
@@ -86,14 +87,14 @@ fn one(tree: &mut Tree, palm: usize, name: &str, finger: &Finger) {
         if bone == 0 && finger.spreads {
             let axis = tree.draw.about(&Vector3::y(), 0.3 * tree.style.skew.min(1.0));
             freedoms.push(Freedom::new(
-                Moves::Hinge,
+                DofKind::Hinge,
                 axis,
                 [-tree.draw.between(10.0, 25.0), tree.draw.between(10.0, 40.0)],
             ));
         }
         let axis = tree.draw.about(&(Vector3::x() * finger.bend), 0.3 * tree.style.skew.min(1.0));
         freedoms.push(Freedom::new(
-            Moves::Hinge,
+            DofKind::Hinge,
             axis,
             [-tree.draw.between(5.0, 30.0), tree.draw.between(70.0, 115.0)],
         ));

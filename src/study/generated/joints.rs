@@ -3,23 +3,13 @@
 use nalgebra::Vector3;
 
 use super::draw::Draw;
-
-/// The kinds of MuJoCo's joints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Moves {
-    /// Turns about an axis.
-    Hinge,
-    /// Shifts along an axis.
-    Slide,
-    /// Turns freely about a point.
-    Ball,
-}
+use crate::creature::DofKind;
 
 /// A degree of freedom as it is drawn, in the frame of the limb that it moves.
 #[derive(Clone, Debug)]
 pub struct Freedom {
     /// Its kind.
-    pub moves: Moves,
+    pub kind: DofKind,
     /// Where it is, metres.
     pub anchor: Vector3<f64>,
     /// Its axis; a ball has none.
@@ -32,8 +22,8 @@ pub struct Freedom {
 
 impl Freedom {
     /// One through the limb's origin, that moves on its own.
-    pub fn new(moves: Moves, axis: Vector3<f64>, range: [f64; 2]) -> Freedom {
-        Freedom { moves, anchor: Vector3::zeros(), axis, range, follows: None }
+    pub fn new(kind: DofKind, axis: Vector3<f64>, range: [f64; 2]) -> Freedom {
+        Freedom { kind, anchor: Vector3::zeros(), axis, range, follows: None }
     }
 }
 
@@ -110,12 +100,12 @@ impl JointStyle {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         let hinge = |draw: &mut Draw, axis: &Vector3<f64>| {
             let axis = draw.about(axis, self.skew);
-            Freedom::new(Moves::Hinge, axis, self.hinge_range(draw))
+            Freedom::new(DofKind::Hinge, axis, self.hinge_range(draw))
         };
         let slide = |draw: &mut Draw, skew: f64| {
             let axis = draw.about(&z, skew);
             let range = [-draw.between(0.02, 0.3) * length, draw.between(0.05, 0.4) * length];
-            Freedom::new(Moves::Slide, axis, range)
+            Freedom::new(DofKind::Slide, axis, range)
         };
         match joining {
             Joining::Hinge => {
@@ -133,7 +123,7 @@ impl JointStyle {
                 let first = Freedom { anchor: z * -apart, ..hinge(draw, &x) };
                 vec![first, hinge(draw, &y)]
             }
-            Joining::Ball => vec![Freedom::new(Moves::Ball, z, [0.0, draw.between(40.0, 150.0)])],
+            Joining::Ball => vec![Freedom::new(DofKind::Ball, z, [0.0, draw.between(40.0, 150.0)])],
             Joining::Slide => vec![slide(draw, self.skew)],
             Joining::HingeAndSlide => {
                 let hinge = hinge(draw, &z);

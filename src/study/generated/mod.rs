@@ -24,8 +24,9 @@ use serde::{Deserialize, Serialize};
 
 use self::draw::Draw;
 pub use self::families::Family;
-use self::joints::{Joining, Moves};
+use self::joints::Joining;
 use self::tree::Tree;
+use crate::creature::DofKind;
 
 /// Typical lengths of a limb, metres.
 pub const LENGTHS: [f64; 2] = [0.01, 10.0];
@@ -97,8 +98,8 @@ impl GeneratedBody {
 impl DrawnBody {
     fn of(tree: &Tree, family: Family) -> DrawnBody {
         let freedoms = || tree.limbs.iter().flat_map(|limb| &limb.freedoms);
-        let count = |moves: Moves| freedoms().filter(|freedom| freedom.moves == moves).count();
-        let [hinges, slides, balls] = [Moves::Hinge, Moves::Slide, Moves::Ball].map(count);
+        let count = |kind: DofKind| freedoms().filter(|freedom| freedom.kind == kind).count();
+        let [hinges, slides, balls] = [DofKind::Hinge, DofKind::Slide, DofKind::Ball].map(count);
         let joined = |joining: Joining| tree.limbs[1..].iter().filter(|limb| limb.joining == joining).count();
         DrawnBody {
             family: family.name().into(),

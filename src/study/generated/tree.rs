@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::draw::{Draw, z_to};
 use super::joints::{Freedom, Joining, JointStyle};
-use super::limb::{Shape, limb_shapes, trunk_shape};
+use super::limb::{LimbPart, limb_shapes, trunk_shape};
 use crate::geometry::Capsule;
 
 /// Directions that are tried for a limb until one keeps clear of the others.
@@ -24,7 +24,7 @@ pub struct Limb {
     /// From its joint to where it ends, metres.
     pub length: f64,
     /// What it is made of.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<LimbPart>,
     /// How it is joined.
     pub joining: Joining,
     /// Its degrees of freedom.
@@ -108,12 +108,7 @@ impl Tree {
 
     /// Half the trunk's sides, metres.
     pub fn trunk_half(&self) -> Vector3<f64> {
-        let shape = &self.limbs[0].shapes[0];
-        match shape.size[..] {
-            [x, y, z] => Vector3::new(x, y, z),
-            [r, z] => Vector3::new(r, r, z),
-            _ => Vector3::repeat(shape.size[0]),
-        }
+        self.limbs[0].shapes[0].shape.half_bounds()
     }
 
     /// Adds a limb joined as the body's style draws it; its number.
@@ -138,7 +133,7 @@ impl Tree {
         name: String,
         mount: &Mount,
         turned: UnitQuaternion<f64>,
-        shapes: Vec<Shape>,
+        shapes: Vec<LimbPart>,
         joining: Joining,
         freedoms: Vec<Freedom>,
     ) -> usize {
