@@ -17,7 +17,6 @@ mod arguments;
 mod babble;
 mod calibrate;
 mod completions;
-mod ends_with;
 mod export;
 mod folders;
 mod inspect;
@@ -185,7 +184,6 @@ fn words() -> Vec<std::ffi::OsString> {
 }
 
 fn carry_out() -> Outcome {
-    ends_with::heed();
     let mut program = Cli::command();
     // Groups and global options are there only then.
     program.build();

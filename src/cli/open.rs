@@ -8,7 +8,6 @@ use std::sync::Arc;
 use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use serde::{Deserialize, Serialize};
 
-use super::ends_with::ENDS_WITH;
 use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::creature::{Body, DofKind, JointSelection};
@@ -111,7 +110,7 @@ pub fn rehearse(path: &Path) -> Outcome {
     // Where this program cannot be run again there is no harm in going on without a rehearsal.
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     let mut command = Command::new(program);
-    command.arg("rehearse").arg("--").arg(path).env_remove(ENDS_WITH);
+    command.arg("rehearse").arg("--").arg(path);
     let Ok(output) = command.stdin(Stdio::null()).output() else { return Ok(()) };
     if let Some(reason) = reason(output.status) {
         if let Some(refused) = unreadable_mesh(path) {

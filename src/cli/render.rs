@@ -10,7 +10,7 @@ use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::error::Error;
 use crate::mujoco::{Camera, Image, PICTURE_SIDES, Renderer};
-use crate::session::{MadeFolders, SESSION_FILE, folder_of, model_hash};
+use crate::session::{MadeFolders, ModelSource, SESSION_FILE, folder_of, model_hash};
 use crate::view::picture::{Direction, Drawing, Film, Shot, is_film, png};
 
 /// Draw a model in a posture, or a session, as a picture or a film.
@@ -168,18 +168,23 @@ fn model(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
             "{place}: there is no {SESSION_FILE} in it: give an MJCF file or a session's folder"
         )));
     }
+    model_drawing(&args.options.source(&args.what, JointSelection::All), args.posture.as_deref())
+}
+
+/// A model in the posture that is named, else in the rest posture.
+pub fn model_drawing(source: &ModelSource, words: Option<&str>) -> Result<Drawing, Failure> {
     // A missing file is reported as such, before anything else.
-    model_hash(&args.what)?;
-    let source = args.options.source(&args.what, JointSelection::All);
+    model_hash(&source.model)?;
+    let source = source.clone().with_joints(JointSelection::All);
     let model = Arc::new(open_to_draw(source.clone())?);
-    let body = match Body::rooted(model.clone(), &JointSelection::All, args.options.root.as_deref()) {
+    let body = match Body::rooted(model.clone(), &source.joints, source.root.as_deref()) {
         // What cannot move can be looked at.
-        Err(error) if error.is_no_joints() && args.posture.is_none() => None,
+        Err(error) if error.is_no_joints() && words.is_none() => None,
         _ => Some(source.body_in(model.clone())?),
     };
     let mut qpos = model.qpos0().to_vec();
     if let Some(body) = &body {
-        body.write_qpos(&posture(args, &body.creature)?, &mut qpos);
+        body.write_qpos(&posture(words, &body.creature)?, &mut qpos);
     }
     let shots = vec![Shot { qpos, ..Shot::default() }];
     Ok(Drawing { model, body, alone: false, shots, shaded: false })
@@ -218,7 +223,7 @@ fn camera(args: &RenderArguments, drawing: &Drawing, renderer: &Renderer) -> Res
 }
 
 /// The posture of --posture, else the rest posture.
-fn posture(args: &RenderArguments, creature: &Creature) -> Result<Posture, Failure> {
-    let words = args.posture.as_deref().unwrap_or_default();
-    Posture::from_words(creature, words).map_err(|message| Failure(format!("--posture {message}")))
+fn posture(words: Option<&str>, creature: &Creature) -> Result<Posture, Failure> {
+    let posture = Posture::from_words(creature, words.unwrap_or_default());
+    posture.map_err(|message| Failure(format!("--posture {message}")))
 }

@@ -24,8 +24,6 @@ const PART: &str = ".generation.part";
 const WHOLE: &str = ".generation";
 /// Among the new files, the names of the files that are removed when they come, a line each.
 const REMOVED: &str = ".removed";
-/// For what is needed for a while.
-const SCRATCH: &str = ".scratch.part";
 /// Files that were made of a schema and are removed with it.
 const MADE_OF_SCHEMA: [&str; 1] = [SPACE_FILE];
 /// How long a new writer is given to write its name into the lock that it took.
@@ -124,21 +122,11 @@ impl FolderLock {
     /// # Errors
     /// If the folder cannot be written to.
     pub fn part(&self) -> Result<&Path, Error> {
-        self.hidden(PART).map(|_| self.part.as_path())
-    }
-
-    /// A folder for what is needed for a while; it is removed with the lock.
-    pub(crate) fn scratch(&self) -> Result<PathBuf, Error> {
-        self.hidden(SCRATCH)
-    }
-
-    fn hidden(&self, name: &str) -> Result<PathBuf, Error> {
-        let path = self.place.join(name);
-        match fs::create_dir(&path) {
+        match fs::create_dir(&self.part) {
             Err(error) if error.kind() != ErrorKind::AlreadyExists => {
                 Err(Error::unwritable(&self.place)(error))
             }
-            _ => Ok(path),
+            _ => Ok(&self.part),
         }
     }
 
@@ -174,14 +162,9 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         // While it is locked, all of this is this process' own. Left behind, it does no harm.
-        remove_unfinished(&self.place);
+        let _ = fs::remove_dir_all(self.place.join(PART));
         let _ = fs::remove_file(self.place.join(LOCK_FILE));
     }
-}
-
-/// Removes the unfinished folders that this process, or a killed one, made in a folder.
-fn remove_unfinished(folder: &Path) {
-    [PART, SCRATCH].iter().for_each(|name| drop(fs::remove_dir_all(folder.join(name))));
 }
 
 /// A folder whose files are not replaced while this lives; it may be read by many.
@@ -264,9 +247,9 @@ fn names(folder: &Path) -> Result<Vec<String>, Error> {
     Ok(names)
 }
 
-/// Removes what killed processes left in a folder: unfinished folders, and parts of files that nobody writes.
+/// Removes what killed processes left in a folder: an unfinished folder, and parts of files that nobody writes.
 fn sweep(folder: &Path) {
-    remove_unfinished(folder);
+    let _ = fs::remove_dir_all(folder.join(PART));
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_part = name.starts_with('.') && name.ends_with(".part");

@@ -23,7 +23,7 @@ use crate::learning::{Input, Learned, Learner, LengthUnit, SecondOrder, Verdict,
 use crate::mujoco::Model;
 use crate::senses::{DisturbedSenses, RecordedTouch};
 use crate::session::{
-    BABBLING_SHARE, DisturbanceLevels, Embodied, LEARNING_SHARE, LearningOptions, ModelSource,
+    BABBLING_SHARE, DisturbanceLevels, Embodied, LEARNING_SHARE, LearningOptions, ModelSource, SessionRequest,
 };
 use crate::simulation::MotionName;
 
@@ -175,6 +175,14 @@ impl From<Error> for Failed {
     }
 }
 
+impl Failed {
+    fn row(self) -> Row {
+        let Failed { outcome, reason, work } = self;
+        json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
+               "whole": false, "pairs": 0, "determined": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
+    }
+}
+
 /// A body that babbled.
 struct Babbled {
     policy: PolicyName,
@@ -201,10 +209,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             let way = if by_default { &LM } else { way };
             learn(own, at_random.as_ref().map_err(Clone::clone)?, way, &body, trial)
         });
-        let mut row = found.unwrap_or_else(|Failed { outcome, reason, work }| {
-            json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
-                   "whole": false, "pairs": 0, "determined": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
-        });
+        let mut row = found.unwrap_or_else(Failed::row);
         let options = embodied.as_ref().map(|own| way.options(own.agent())).unwrap_or_default();
         describe(&mut row, way.name, &body, &options);
         row
@@ -295,7 +300,7 @@ fn learn(
         learner.end_at(by);
         felt.touches.iter().for_each(|touch| learner.touch(touch));
         let (learned, work) = apart(|| learner.learn());
-        let mut row = measured(embodied, learned, body);
+        let mut row = measured(embodied, &learned, body.drawn.length);
         row["determined"] = json!(determined(embodied, &felt, way.input));
         row["policy"] = json!(format!("{}, {}", babbled.policy, way.learner.name()));
         row["touches"] = json!(babbled.touches.len());
@@ -303,6 +308,20 @@ fn learn(
         row["work_s"] = json!(work.seconds() + babbled.work.seconds());
         Ok(row)
     })
+}
+
+/// The row of a creature that babbles and learns as the program does by default.
+pub fn by_default(source: &ModelSource, input: Input, seed: u64) -> Row {
+    let found = survived(|| {
+        let learning = LearningOptions { input: Some(input), ..LearningOptions::default() };
+        let request = SessionRequest { seed, learning, ..SessionRequest::default() };
+        let body = Embodied::open(source.clone(), &())?.babble_as(&request)?.learn()?;
+        let unit = LengthUnit::of(body.embodied().agent()).metres();
+        let mut row = measured(body.embodied(), body.learned(), unit);
+        row["touches"] = json!(body.touches().len());
+        Ok(row)
+    });
+    found.unwrap_or_else(Failed::row)
 }
 
 /// How many pairs of limbs with skin touches locate in each other's frames by an account of them at the true schema.
@@ -318,18 +337,18 @@ fn determined(embodied: &Embodied, felt: &DisturbedSenses, input: Input) -> usiz
     limbs.iter().enumerate().map(is_claimed).sum()
 }
 
-/// Holds what was learned against the truth.
-fn measured(embodied: &Embodied, learned: Learned, body: &GeneratedBody) -> Row {
+/// Compares what was learned with the truth, of a body whose limbs are typically so long, metres.
+fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
     let (agent, creature) = (embodied.agent(), embodied.creature());
     let points = held_out_points(agent);
     let errors = held_out(creature, embodied.truth(), &learned.schema, &points);
-    let judged = judge(embodied, &learned, &points, &errors);
+    let judged = judge(embodied, learned, &points, &errors);
     let millimetres = || errors.iter().map(|error| error.millimetres);
-    let (count, limit) = (errors.len() as f64, 1e3 * RIGHT * body.drawn.length);
+    let (count, limit) = (errors.len() as f64, 1e3 * RIGHT * length);
     let mean = millimetres().sum::<f64>() / count;
     let right = millimetres().filter(|&error| error <= limit).count() as f64 / count.max(1.0);
     let [joints_named, limbs_named] = [learned.undetermined().len(), learned.undetermined_limbs().len()];
-    let (outcome, reason) = match learned.verdict {
+    let (outcome, reason) = match learned.verdict.clone() {
         Verdict::Converged if joints_named + limbs_named == 0 => ("learned", String::new()),
         Verdict::Converged => ("learned partly", String::new()),
         Verdict::Failed(why) => ("not learned", why),
@@ -341,9 +360,10 @@ fn measured(embodied: &Embodied, learned: Learned, body: &GeneratedBody) -> Row 
         "reason": reason,
         "joints": creature.joints().len(),
         "joints_named": joints_named,
+        "limbs_named": limbs_named,
         "heldout_mm": mean,
         "worst_heldout_mm": millimetres().fold(f64::NAN, f64::max),
-        "heldout_percent": 0.1 * mean / body.drawn.length,
+        "heldout_percent": 0.1 * mean / length,
         "right": right,
         "whole": right >= WHOLE,
         "pairs": skinned * skinned.saturating_sub(1) / 2,

@@ -19,6 +19,8 @@ mod shares;
 mod subject;
 mod table;
 
+#[cfg_attr(not(feature = "cli"), allow(unused_imports))]
+pub(crate) use bodies::by_default;
 pub use run::{Asked, Findings, StudyOptions, StudyRun, Trial};
 pub use shares::StudyShare;
 pub use subject::Subject;

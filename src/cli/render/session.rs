@@ -64,7 +64,7 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
             let touch = number.checked_sub(1).and_then(|index| touches.get(index));
             vec![drawn.touch(number, touch.ok_or_else(|| no_touch(args, number, touches.len()))?)?]
         }
-        (false, _, None) => vec![drawn.posture(&posture(args, creature)?)],
+        (false, _, None) => vec![drawn.posture(&posture(args.posture.as_deref(), creature)?)],
     };
     let shaded = args.schema || film && args.learning;
     Ok(Drawing { model: body.declared.clone(), body: Some(body), alone: true, shots, shaded })
