@@ -1,16 +1,19 @@
 //! Numbers from the command line.
 
-/// A number of touches from the command line.
-pub fn touch_count(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(0) => Err("there is nothing to learn from 0 touches: give at least 1".into()),
-        Ok(n) if n <= 100_000_000 => Ok(n),
-        _ => Err("give a whole number from 1 to 100000000".into()),
-    }
+use clap::builder::RangedU64ValueParser;
+
+/// How many of something, at least one.
+pub fn count() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=100_000_000)
 }
 
 /// A number above 0 from the command line.
 pub fn positive(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "give a number".to_string())?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err("give a number above 0".into()) }
+    not_negative(text).ok().filter(|number| *number > 0.0).ok_or_else(|| "give a number above 0".into())
+}
+
+/// A number from the command line that is not negative.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number >= 0.0 && number.is_finite());
+    number.ok_or_else(|| "give a number that is not negative".into())
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::arguments::{positive, touch_count};
+use super::arguments::{count, positive};
 use super::folders::{Force, session_folder, take_share, written_session};
 use super::learned::learn_and_print;
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
@@ -31,7 +31,7 @@ use crate::view::report::REPORT_FILE;
 /// The creature moves about, few joints at first, and stops where its skin touches its skin. From the pairs of
 /// receptors and the joint angles alone it learns where its joints are and how they turn, and touches what it does not
 /// know yet; the model's own kinematics serve only to measure the result. All goes into a session folder.
-#[derive(clap::Args, Clone, Serialize, Deserialize)]
+#[derive(clap::Args)]
 #[command(after_help = format!("Examples:
   bodyschema babble                                                          # Max, mjcf/max/max.xml
   bodyschema babble mjcf/hexapod/hexapod.xml
@@ -44,58 +44,25 @@ use crate::view::report::REPORT_FILE;
   bodyschema babble mjcf/max/max.xml --touches 100000 --shard 3/16 --out sessions/big  # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct BabbleArguments {
-    /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
-    #[arg(default_value = MAX, value_name = "MODEL")]
-    model: PathBuf,
-    /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
-    /// most]
-    #[arg(long, value_parser = touch_count, help_heading = "Babbling")]
-    touches: Option<usize>,
-    /// Seconds after which the session comes to its end with what is known by then: what that is depends on what else the
-    /// computer does [default: none]
-    #[arg(long, value_parser = positive, conflicts_with = "work", help_heading = "Babbling")]
-    seconds: Option<f64>,
-    /// Work after which it does so, the same on any computer: about what one core does in so many seconds [default: 50; none with
-    /// --seconds, --touches or --motion dynamic]
-    #[arg(long, value_parser = positive, help_heading = "Babbling")]
-    work: Option<f64>,
-    /// Seed of all random numbers: the same seed gives the same touches
-    #[arg(long, default_value_t = 1, help_heading = "Babbling")]
-    pub seed: u64,
-    /// The joints that move: a set that the model names (torso), all, or names separated by commas
-    /// [default: torso where the model names it, else all]
-    #[arg(long, help_heading = "Babbling")]
-    joints: Option<JointSelection>,
+    #[command(flatten)]
+    asked: SessionArguments,
     /// Threads; they change nothing but the time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
-    #[serde(skip)]
-    pub jobs: Option<u16>,
-    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
-    /// known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
-    /// named; else random]
-    #[arg(long, value_enum, help_heading = "Babbling")]
-    policy: Option<PolicyName>,
-    /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
-    #[arg(long, value_enum, default_value_t, help_heading = "Babbling")]
-    pub motion: MotionName,
-    #[command(flatten)]
-    #[serde(flatten)]
-    open: ModelArguments,
-    #[command(flatten)]
-    #[serde(flatten)]
-    learning: LearningArguments,
+    jobs: Option<u16>,
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
-    #[serde(skip)]
-    pub out: Option<PathBuf>,
+    out: Option<PathBuf>,
     #[command(flatten)]
-    #[serde(skip)]
-    pub force: Force,
+    force: Force,
     /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
     /// what they would have been. Takes --jobs, --json and --live beside it
-    #[arg(long, value_name = "DIR", help_heading = "Output")]
-    #[serde(skip)]
-    pub resume: Option<PathBuf>,
+    #[arg(
+        long,
+        value_name = "DIR",
+        conflicts_with_all = ["SessionArguments", "ModelArguments", "LearningArguments", "DisturbanceLevels", "out"],
+        help_heading = "Output"
+    )]
+    resume: Option<PathBuf>,
     /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
     /// `bodyschema study merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
     /// with a share that was interrupted
@@ -106,38 +73,78 @@ pub struct BabbleArguments {
         conflicts_with_all = ["resume", "seconds", "work", "force"],
         help_heading = "Output"
     )]
-    #[serde(skip)]
-    pub shard: Option<Share>,
+    shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
-    #[serde(skip)]
-    pub json: bool,
+    json: bool,
     #[command(flatten)]
-    #[serde(skip)]
-    pub live: LiveOptions,
+    live: LiveOptions,
 }
 
-impl BabbleArguments {
+/// What a session is asked: its file keeps this.
+#[derive(clap::Args, Clone, Serialize, Deserialize)]
+#[command(next_help_heading = "Babbling")]
+pub struct SessionArguments {
+    /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
+    #[arg(default_value = MAX, value_name = "MODEL", help_heading = None)]
+    model: PathBuf,
+    /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
+    /// most]
+    #[arg(long, value_parser = count())]
+    touches: Option<usize>,
+    /// Stop after this many seconds and keep what has been learned: how much that is depends on what else the computer does
+    /// [default: none]
+    #[arg(long, value_parser = positive, conflicts_with = "work")]
+    seconds: Option<f64>,
+    /// Stop after so much work, the same on any computer: about what one core does in so many seconds [default: 50; none with
+    /// --seconds, --touches or --motion dynamic]
+    #[arg(long, value_parser = positive)]
+    work: Option<f64>,
+    /// Seed of all random numbers: the same seed gives the same touches
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The joints that move: a set that the model names (torso), all, or names separated by commas
+    /// [default: torso where the model names it, else all]
+    #[arg(long)]
+    joints: Option<JointSelection>,
+    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
+    /// known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
+    /// named; else random]
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+    /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
+    #[arg(long, value_enum, default_value_t)]
+    motion: MotionName,
+    #[command(flatten)]
+    #[serde(flatten)]
+    open: ModelArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    learning: LearningArguments,
+}
+
+impl SessionArguments {
     /// What is asked, from now on.
-    fn request(&self) -> SessionRequest {
+    fn request(&self, jobs: Option<u16>, share: Option<Share>) -> SessionRequest {
+        let &SessionArguments { touches, seconds, work, seed, policy, motion, ref learning, .. } = self;
         SessionRequest {
-            touches: self.touches,
-            seconds: self.seconds,
-            work: self.work,
-            seed: self.seed,
-            jobs: self.jobs,
-            policy: self.policy,
-            motion: self.motion,
-            learner: self.learning.named(),
-            learning: self.learning.open(),
-            known: self.learning.known.clone(),
-            share: self.shard,
+            touches,
+            seconds,
+            work,
+            seed,
+            jobs,
+            policy,
+            motion,
+            learner: learning.named(),
+            learning: learning.open(),
+            known: learning.known.clone(),
+            share,
             ..SessionRequest::default()
         }
     }
 
     /// What a session was asked; `folder` is for messages about it.
-    pub fn of_session(session: &Session, folder: &Path) -> Result<BabbleArguments, Failure> {
+    pub fn of_session(session: &Session, folder: &Path) -> Result<SessionArguments, Failure> {
         let place = folder.join(SESSION_FILE).display().to_string();
         if session.recording.is_some() || session.options.touches == 0 {
             return Err(Failure(format!(
@@ -153,45 +160,61 @@ impl BabbleArguments {
 }
 
 pub fn run(args: &BabbleArguments) -> Outcome {
+    let job = |asked: SessionArguments| Job::new(asked, args.jobs, args.shard, args.json, &args.live);
+    let babble = |session: BabblingSession, observers: &dyn Observer| session.babble(observers);
     match (&args.resume, args.shard, &args.out) {
-        (Some(folder), ..) => resume(folder, args),
-        (None, Some(share), Some(folder)) => make_share(&Job::new(args)?, share, folder),
+        (Some(folder), ..) => {
+            let lock = written_session(folder)?;
+            let asked = SessionArguments::of_session(&Session::read(folder)?, folder)?;
+            job(asked)?.go_on(lock, babble)
+        }
+        (None, Some(share), Some(folder)) => make_share(&job(args.asked.clone())?, share, folder),
         _ => {
-            let job = Job::new(args)?;
+            let job = job(args.asked.clone())?;
             let lock = session_folder(args.out.as_deref(), job.embodied.creature().name(), args.force)?;
-            job.begin(lock, |session, observers| session.babble(observers))
+            job.begin(lock, babble)
         }
     }
 }
 
 /// A session that is asked for, with all that is made ready before the first touch.
-pub struct Job<'a> {
-    args: &'a BabbleArguments,
+pub struct Job {
+    asked: SessionArguments,
+    /// Work that is asked for, or what is chosen by default.
+    work: Option<f64>,
     embodied: Embodied,
     setup: SessionSetup,
-    /// Where a page is to be served, where one is.
+    /// Where a page is to be served, if one is.
     place: Option<Place>,
+    json: bool,
 }
 
-impl<'a> Job<'a> {
-    pub fn new(args: &'a BabbleArguments) -> Result<Job<'a>, Failure> {
-        is_there(&args.model, "babble")?;
-        let embodied = embodied(args.open.source(&args.model, args.joints.clone().unwrap_or_default()))?;
-        let setup = args.request().setup(&embodied)?;
+impl Job {
+    pub fn new(
+        asked: SessionArguments,
+        jobs: Option<u16>,
+        share: Option<Share>,
+        json: bool,
+        live: &LiveOptions,
+    ) -> Result<Job, Failure> {
+        is_there(&asked.model, "babble")?;
+        let embodied = embodied(asked.open.source(&asked.model, asked.joints.clone().unwrap_or_default()))?;
+        let request = asked.request(jobs, share);
+        let (work, setup) = (request.work(), request.setup(&embodied)?);
         // Whether it can be watched is told before any folder is made.
-        Ok(Job { args, embodied, setup, place: args.live.place()? })
+        Ok(Job { asked, work, embodied, setup, place: live.place()?, json })
     }
 
     /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may
     /// choose otherwise.
     fn provenance(&self) -> Provenance {
         let SessionSetup { babbling, policy, learning, .. } = &self.setup;
-        let asked = serde_json::to_value(BabbleArguments {
+        let asked = serde_json::to_value(SessionArguments {
             touches: Some(babbling.touches),
             policy: Some(*policy),
-            work: self.args.request().work(),
-            learning: self.args.learning.chosen(learning.learner),
-            ..self.args.clone()
+            work: self.work,
+            learning: self.asked.learning.chosen(learning.learner),
+            ..self.asked.clone()
         });
         // A session of files whose names are not in UTF-8 cannot be resumed.
         Provenance { command: output::command_line(), asked: asked.unwrap_or_default() }
@@ -221,7 +244,7 @@ impl<'a> Job<'a> {
         let (made, all) = (session.made(), self.setup.babbling.touches);
         if session.is_babbled() && folder.join(REPORT_FILE).exists() {
             tell!("{place} is complete: nothing is left to do");
-            if self.args.json {
+            if self.json {
                 output::json(&json!({"session": folder, "touches": made, "complete": true}))?;
             }
             return Ok(());
@@ -262,8 +285,7 @@ impl<'a> Job<'a> {
         if let Some(limit) = babbled.session.effort.and_then(|effort| effort.ended_by) {
             tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
         }
-        let result =
-            learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.args.json)?;
+        let result = learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.json)?;
         if let Some(limit) = result.ended_by {
             tell!("the search for what explains them ended {limit}");
         }
@@ -275,14 +297,6 @@ impl<'a> Job<'a> {
         server.iter().for_each(rest);
         Ok(())
     }
-}
-
-/// Goes on with a session that was interrupted.
-fn resume(folder: &Path, given: &BabbleArguments) -> Outcome {
-    let lock = written_session(folder)?;
-    let mut args = BabbleArguments::of_session(&Session::read(folder)?, folder)?;
-    (args.jobs, args.json, args.live) = (given.jobs, given.json, given.live.clone());
-    Job::new(&args)?.go_on(lock, |session, observers| session.babble(observers))
 }
 
 /// Makes one share of a session in its place below a folder, or what is missing of it; `bodyschema study merge` puts it
@@ -302,7 +316,7 @@ fn make_share(job: &Job, share: Share, folder: &Path) -> Outcome {
     if let Some(effort) = effort.filter(|effort| effort.touches == Some(0)) {
         tell!("nothing was touched in {} motions of this share", effort.of_motions.motions);
     }
-    if job.args.json {
+    if job.json {
         return output::json(&json!({
             "share": share.to_string(),
             "touches": touches,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::arguments::count;
 use super::folders::{Force, session_folder, written_session};
 use super::learned::{learn_and_print, read_log};
 use super::learning_arguments::{KNOWN_HELP, LearningArguments};
@@ -50,8 +51,8 @@ pub struct LearnArguments {
     #[command(flatten)]
     force: Force,
     /// Use only the first touches of the log
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
-    touches: Option<u64>,
+    #[arg(long, value_parser = count())]
+    touches: Option<usize>,
     /// Draw the initial guesses from another seed than the session's
     #[arg(long)]
     seed: Option<u64>,
@@ -141,7 +142,7 @@ impl LearnArguments {
             grown: None,
         });
         let lock = own.map_or_else(|| self.new_folder(&session), Ok)?;
-        touches.truncate(self.most());
+        touches.truncate(self.touches.unwrap_or(usize::MAX));
         session.seed = self.seed.unwrap_or(session.seed);
         Ok(Learnable { lock, made, session, touches, learning })
     }
@@ -150,8 +151,14 @@ impl LearnArguments {
     fn recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
         let (asked, command) = (self.learning.bare(None), output::command_line());
         let of = (creature, log);
-        let mut recorded =
-            BabbledSession::of_recording(of, self.most(), self.seed, &asked, command, &Bars::default())?;
+        let mut recorded = BabbledSession::of_recording(
+            of,
+            self.touches.unwrap_or(usize::MAX),
+            self.seed,
+            &asked,
+            command,
+            &Bars::default(),
+        )?;
         let known = self.learning.known.as_ref().map(|known| known.display().to_string());
         recorded.session.options.known = known;
         let learning = self.learning.options_for(&recorded.session)?;
@@ -162,10 +169,5 @@ impl LearnArguments {
 
     fn new_folder(&self, session: &Session) -> Result<FolderLock, Failure> {
         session_folder(self.out.as_deref(), session.agent.creature().name(), self.force)
-    }
-
-    /// How many touches to use at the most.
-    fn most(&self) -> usize {
-        self.touches.map_or(usize::MAX, |n| usize::try_from(n).unwrap_or(usize::MAX))
     }
 }

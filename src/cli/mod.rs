@@ -41,7 +41,6 @@ use std::fmt::Display;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ErrorKind};
-use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::session::is_model;
@@ -143,24 +142,6 @@ const RENAMED: [(&str, &str); 8] = [
     ("merge", "study merge"),
 ];
 
-/// What may be given beside `--resume`, and itself.
-const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
-
-/// Ends the program if options are given beside `babble --resume`.
-fn refuse_options_beside_resume(program: &mut clap::Command, matches: &clap::ArgMatches) {
-    let Some(("babble", matches)) = matches.subcommand() else { return };
-    let Some(command) = program.find_subcommand_mut("babble") else { return };
-    let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
-    let mut given = command.get_arguments().filter(|argument| is_given(argument.get_id().as_str()));
-    let other = given.find(|argument| !BESIDE_RESUME.contains(&argument.get_id().as_str()));
-    let other = other.map(ToString::to_string);
-    drop(given);
-    if let Some(other) = other.filter(|_| is_given("resume")) {
-        let words = format!("--resume takes all options from the session: leave out {other}");
-        command.error(ErrorKind::ArgumentConflict, words).exit();
-    }
-}
-
 /// Runs the program with the process' arguments.
 pub fn run() -> ExitCode {
     match carry_out() {
@@ -203,6 +184,5 @@ fn carry_out() -> Outcome {
         output::be_quiet();
     }
     threads::make();
-    refuse_options_beside_resume(&mut program, &matches);
     cli.command.run()
 }

@@ -5,6 +5,7 @@ mod results;
 
 use std::path::{Path, PathBuf};
 
+use super::arguments::count;
 use super::folders::Force;
 use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
@@ -104,11 +105,11 @@ struct JudgingArguments {
     #[arg(long, value_name = "SHARE|FILE")]
     held_out: Option<String>,
     /// Divide the log anew so many times, with --held-out SHARE
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
-    splits: u64,
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count())]
+    splits: usize,
     /// Divide the log into so many parts and hold out each in turn
-    #[arg(long, value_name = "K", conflicts_with = "held_out", value_parser = clap::value_parser!(u64).range(2..))]
-    folds: Option<u64>,
+    #[arg(long, value_name = "K", conflicts_with = "held_out", value_parser = clap::value_parser!(u16).range(2..))]
+    folds: Option<u16>,
     /// Divide the log by another seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -239,7 +240,7 @@ impl JudgingArguments {
             judge(&estimator, &estimator.fit(), &fresh)
         };
         if let Some(count) = self.folds {
-            let count = usize::try_from(count).unwrap_or(usize::MAX).min(touches.len());
+            let count = usize::from(count).min(touches.len());
             return Ok(folds(touches, count, self.seed).into_iter().map(one).collect());
         }
         let Some(held_out) = &self.held_out else { return Ok(Vec::new()) };
@@ -254,6 +255,6 @@ impl JudgingArguments {
             )
             .into());
         }
-        Ok((0..self.splits).map(|k| one(split(touches, share, self.seed + k))).collect())
+        Ok((0..self.splits as u64).map(|k| one(split(touches, share, self.seed + k))).collect())
     }
 }

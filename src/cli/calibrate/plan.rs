@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::UnknownArguments;
 use crate::calibration::robot::Robot;
 use crate::calibration::{Estimator, EstimatorOptions, Plan, Touch, plan};
+use crate::cli::arguments::{count, not_negative};
 use crate::cli::open::{ModelArguments, embodied};
 use crate::cli::{Outcome, output, progress};
 use crate::creature::JointSelection;
@@ -25,21 +26,21 @@ pub struct PlanArguments {
     /// The model: MJCF or URDF with shapes that may touch
     model: PathBuf,
     /// How many touches to choose
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
-    touches: u64,
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = count())]
+    touches: usize,
     /// How many touches to choose from
-    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u64).range(1..))]
-    candidates: u64,
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = count())]
+    candidates: usize,
     /// Only touches between these links, with commas between them
     #[arg(long, value_name = "LINKS", value_delimiter = ',')]
     between: Vec<String>,
     #[command(flatten)]
     unknowns: UnknownArguments,
     /// Standard deviation of encoders, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.1, help_heading = "Noise")]
+    #[arg(long, value_name = "DEG", default_value_t = 0.1, value_parser = not_negative, help_heading = "Noise")]
     joint_noise: f64,
     /// Standard deviation of where touch is felt, millimetres
-    #[arg(long, value_name = "MM", default_value_t = 1.0, help_heading = "Noise")]
+    #[arg(long, value_name = "MM", default_value_t = 1.0, value_parser = not_negative, help_heading = "Noise")]
     point_noise: f64,
     /// Babble by another seed
     #[arg(long, default_value_t = 1)]
@@ -60,14 +61,8 @@ pub fn run(args: &PlanArguments) -> Outcome {
             format!("--between: there is no link \"{name}\": name some of {}", limbs.join(", ")).into()
         );
     }
-    for (option, value) in [("--joint-noise", args.joint_noise), ("--point-noise", args.point_noise)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(format!("{option} {value}: give a number that is not negative").into());
-        }
-    }
     let spinner = progress::spinner("babbling");
-    let count = usize::try_from(args.candidates).unwrap_or(usize::MAX);
-    let babbled = embodied.babble_as(&SessionRequest::at_random(count, args.seed))?;
+    let babbled = embodied.babble_as(&SessionRequest::at_random(args.candidates, args.seed))?;
     let (agent, truth) = (babbled.embodied().agent(), &babbled.embodied().truth().schema);
     // The file's own frames and names, by which its touches are logged and calibrated.
     let mut robot = read_robot(&args.model)?.robot;
@@ -87,8 +82,7 @@ pub fn run(args: &PlanArguments) -> Outcome {
     spinner.set_message("choosing");
     let estimator = Estimator::new(&robot, &touches, EstimatorOptions::default());
     let noise = estimator.noise(1e-3 * args.point_noise.max(1e-3), args.joint_noise.to_radians());
-    let count = usize::try_from(args.touches).unwrap_or(usize::MAX);
-    let chosen = plan(&estimator, &robot.nominal(), &noise, count);
+    let chosen = plan(&estimator, &robot.nominal(), &noise, args.touches);
     spinner.finish_and_clear();
     let table = table(&robot, &touches, &estimator, &chosen);
     match &args.out {

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::{FILES, save};
-use crate::cli::babble::{BabbleArguments, Job};
+use crate::cli::babble::{Job, SessionArguments};
 use crate::cli::folders::{Force, free_folder, session_folder, written_session};
+use crate::cli::live::LiveOptions;
 use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{
@@ -82,9 +83,8 @@ fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcom
 /// Puts a session together.
 fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
     let folder = &args.folder;
-    let mut babble = BabbleArguments::of_session(shares.session(), folder)?;
-    (babble.jobs, babble.json, babble.out) = (args.jobs, args.json, Some(folder.clone()));
-    let job = Job::new(&babble)?;
+    let asked = SessionArguments::of_session(shares.session(), folder)?;
+    let job = Job::new(asked, args.jobs, None, args.json, &LiveOptions::default())?;
     let make = |session: BabblingSession, observer: &dyn Observer| session.put_together(shares, observer);
     if folder.join(SESSION_FILE).exists() {
         return job.go_on(written_session(folder)?, make);
