@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{Failure, output};
 use crate::agent::Agent;
-use crate::evaluation::{CramerRaoBound, Summary};
+use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
 use crate::named::listed;
@@ -72,8 +72,6 @@ impl Printed<'_> {
     /// The one JSON object of `babble` and `learn`.
     fn to_json(&self) -> Value {
         let Printed { babbled: BabbledSession { session, touches, .. }, options, result, .. } = self;
-        let summary = |s: Option<Summary>| s.map_or(Value::Null, |s| json!(s));
-        let evaluation = result.evaluation.as_ref();
         let how = json!({
             "creature": session.agent.creature().name(),
             "joints": session.agent.creature().joints().len(),
@@ -84,7 +82,7 @@ impl Printed<'_> {
             "babbling_s": session.effort.map(|effort| effort.babbling_s),
             "motion": session.options.motion.clone().unwrap_or_else(|| MotionName::default().to_string()),
             "simulated_s": session.effort.and_then(|effort| effort.simulated_s()),
-            "depth_mm": summary(self.depth_mm()),
+            "depth_mm": self.depth_mm(),
             "learning_s": result.record.seconds,
             "ended_by": { "babbling": session.effort.and_then(|effort| effort.ended_by), "learning": result.ended_by },
             "seed": session.seed,
@@ -96,19 +94,13 @@ impl Printed<'_> {
             "known": options.known_json(session.agent.creature()),
             "initial_guesses": result.learned.initial_guesses,
             "disturbances": options.disturbances,
-            "heldout_mm": summary(evaluation.map(|e| e.heldout_mm)),
-            "undisturbed_heldout_mm": summary(result.undisturbed_heldout_mm),
-            "determined_mm": summary(evaluation.map(|e| e.determined_mm)),
-            "bound_mm": evaluation.and_then(|e| e.bound_mm),
-            "hand_mm": summary(evaluation.and_then(|e| e.hand_mm)),
-            "axis_deg": summary(evaluation.map(|e| e.axis_deg)),
-            "axis_line_mm": summary(evaluation.map(|e| e.axis_line_mm)),
+            "undisturbed_heldout_mm": result.undisturbed_heldout_mm,
             "expected_mm": result.own_account.and_then(|account| account.expected_mm),
-            "fresh_mm": summary(result.own_account.and_then(|account| account.fresh_mm)),
+            "fresh_mm": result.own_account.and_then(|account| account.fresh_mm),
             "changes": result.changes,
             "session": self.folder,
         });
-        output::joined(how, result.record.knowledge_json())
+        output::joined(how, [measures_json(result.evaluation.as_ref()), result.record.knowledge_json()])
     }
 
     /// The short table of what was learned.
@@ -208,6 +200,12 @@ impl Printed<'_> {
             "no model, so nothing is compared with the truth (--model names one); `bodyschema report` prints more"
         );
     }
+}
+
+/// The error measures; null if the truth is not known.
+pub fn measures_json(evaluation: Option<&Evaluation>) -> Value {
+    let unknown = || json!({ "heldout_mm": null, "determined_mm": null, "bound_mm": null, "hand_mm": null, "axis_deg": null, "axis_line_mm": null });
+    evaluation.map_or_else(unknown, |evaluation| json!(evaluation))
 }
 
 /// The verdict, and what is not known: the same words from every command.

@@ -47,12 +47,14 @@ pub fn json(value: &Value) -> Outcome {
     Ok(())
 }
 
-/// The members of two JSON objects in one.
-pub fn joined(mut object: Value, with: Value) -> Value {
-    if let (Some(object), Value::Object(with)) = (object.as_object_mut(), with) {
-        object.extend(with);
-    }
-    object
+/// The members of JSON objects in one; what is no object adds nothing.
+pub fn joined(object: Value, with: impl IntoIterator<Item = Value>) -> Value {
+    let all = std::iter::once(object).chain(with);
+    Value::Object(
+        all.filter_map(|value| if let Value::Object(members) = value { Some(members) } else { None })
+            .flatten()
+            .collect(),
+    )
 }
 
 /// The command line that this program was called with, word by word, the program by its name alone.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::folders::written_session;
-use super::learned::{print_bound, print_knowledge, read_log};
+use super::learned::{measures_json, print_bound, print_knowledge, read_log};
 use super::open::known_truth;
 use super::{Outcome, output, progress};
 use crate::creature::Joint;
@@ -52,7 +52,10 @@ pub fn run(args: &ReportArguments) -> Outcome {
     spinner.finish_and_clear();
     let found = Found { session: &session, touches, record: &record, evaluation, residual };
     if args.json {
-        return output::json(&output::joined(found.to_json(args), record.knowledge_json()));
+        return output::json(&output::joined(
+            found.to_json(args),
+            [measures_json(found.evaluation.as_ref()), record.knowledge_json()],
+        ));
     }
     found.print(args);
     Ok(())
@@ -73,18 +76,11 @@ struct Found<'a> {
 impl Found<'_> {
     fn to_json(&self, args: &ReportArguments) -> Value {
         let (agent, creature) = (&self.session.agent, self.session.agent.creature());
-        let evaluation = self.evaluation.as_ref();
         let mut all = json!({
             "session": args.session,
             "page": args.session.join(REPORT_FILE),
             "creature": creature.name(),
             "touches": self.touches.len(),
-            "heldout_mm": evaluation.map(|e| e.heldout_mm),
-            "determined_mm": evaluation.map(|e| e.determined_mm),
-            "bound_mm": self.record.bound,
-            "hand_mm": evaluation.map(|e| e.hand_mm),
-            "axis_deg": evaluation.map(|e| e.axis_deg),
-            "axis_line_mm": evaluation.map(|e| e.axis_line_mm),
             "touch_mm": self.residual,
         });
         let [of_joints, of_limbs] = touches_across(agent, self.touches);
@@ -99,7 +95,7 @@ impl Found<'_> {
                     "position_std_mm": observed.position_std(j).map(|metres| metres.map(|m| 1e3 * m)),
                     "axes_std_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
                 });
-                output::joined(counted, certain)
+                output::joined(counted, [certain])
             })
         };
         let bound = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
@@ -132,7 +128,7 @@ impl Found<'_> {
             "bounds_note": self.record.floor_note(),
             "unobservable": self.record.open_directions,
         });
-        output::joined(all, determined)
+        output::joined(all, [determined])
     }
 
     fn print(&self, args: &ReportArguments) {

@@ -88,12 +88,12 @@ fn answers_are_nobody_elses() {
 
     // What is asked is short, and comes from this page.
     let json = "host: HERE\r\ncontent-type: application/json\r\n";
-    let long = format!("{{\"text\":\"{}\"}}", "x".repeat(100_000));
-    assert!(served.answer("POST", "/say", json, &long).starts_with("HTTP/1.1 413"));
+    let long = format!("{{\"say\":\"{}\"}}", "x".repeat(100_000));
+    assert!(served.answer("POST", "/ask", json, &long).starts_with("HTTP/1.1 413"));
     let rebound = json.replace("HERE", "elsewhere.example");
-    assert!(served.answer("POST", "/say", &rebound, "{\"text\":\"rest\"}").starts_with("HTTP/1.1 403"));
+    assert!(served.answer("POST", "/ask", &rebound, "{\"say\":\"rest\"}").starts_with("HTTP/1.1 403"));
     let plain = "host: HERE\r\ncontent-type: text/plain\r\n";
-    assert!(served.answer("POST", "/say", plain, "{\"text\":\"rest\"}").starts_with("HTTP/1.1 415"));
+    assert!(served.answer("POST", "/ask", plain, "{\"say\":\"rest\"}").starts_with("HTTP/1.1 415"));
 }
 
 /// By `cargo test --release --test it large::clients -- --ignored --nocapture`.

@@ -67,7 +67,7 @@ fn babbling_is_seen_while_it_goes_on() {
     assert!(served.answer("GET", "/", "host: elsewhere.example\r\n", "").starts_with("HTTP/1.1 403"));
     assert!(served.answer("GET", "/report", "host: HERE\r\n", "").starts_with("HTTP/1.1 404"));
     let json = "host: HERE\r\ncontent-type: application/json\r\n";
-    assert!(served.answer("POST", "/touch", json, "{\"receptor\":0}").starts_with("HTTP/1.1 404"));
+    assert!(served.answer("POST", "/ask", json, "{\"touch\":0}").starts_with("HTTP/1.1 404"));
 }
 
 #[test]
@@ -119,9 +119,9 @@ fn a_click_on_the_skin_is_felt_and_answered() {
 
     // Pages of other sites cannot speak in its partner's place.
     let elsewhere = "host: HERE\r\norigin: http://elsewhere.example\r\ncontent-type: application/json\r\n";
-    assert!(served.answer("POST", "/say", elsewhere, "{\"text\":\"rest\"}").starts_with("HTTP/1.1 403"));
+    assert!(served.answer("POST", "/ask", elsewhere, "{\"say\":\"rest\"}").starts_with("HTTP/1.1 403"));
     let unknown = "host: HERE\r\ncontent-type: application/json\r\n";
-    assert!(served.answer("POST", "/touch", unknown, "{\"receptor\":999999}").starts_with("HTTP/1.1 404"));
+    assert!(served.answer("POST", "/ask", unknown, "{\"touch\":999999}").starts_with("HTTP/1.1 404"));
 }
 
 #[test]
@@ -221,7 +221,7 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
         ("{\"receptor\":99999}", "404"),
         ("{\"beside\":null}", "200"),
     ] {
-        let said = served.answer("POST", "/show", json, asked);
+        let said = served.answer("POST", "/ask", json, &format!("{{\"show\":{asked}}}"));
         assert!(said.starts_with(&format!("HTTP/1.1 {answer}")), "{asked}: {said}");
     }
     for query in ["?session=3", "?session=0&beside=9", "?session=x"] {

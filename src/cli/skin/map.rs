@@ -85,7 +85,7 @@ pub fn run(args: &MapArguments) -> Outcome {
         "across_joints": agreement_json(&across),
         "limbs": felt.map(row).collect::<Vec<_>>(),
     });
-    found = output::joined(found, agreement_json(&all));
+    found = output::joined(found, [agreement_json(&all)]);
     if args.json {
         return output::json(&found);
     }

@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 pub(super) use mesh::BodyMesh;
 use mesh::Topology;
 pub(super) use pose::Pose;
-pub(super) use senses::{AURAS, AuraOverlay, MAP, MapOverlay};
+pub(super) use senses::{AURAS, MAP};
 
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
@@ -42,6 +42,17 @@ const PARTS: f64 = 1e4;
 /// A number as the viewer takes it.
 pub(super) fn whole(x: f64) -> i64 {
     (x * PARTS).round() as i64
+}
+
+/// A point as the viewer takes it.
+fn point(p: &Vector3<f64>) -> [i64; 3] {
+    [p.x, p.y, p.z].map(whole)
+}
+
+/// A point of a limb: the limb, and where it is in the limb's frame.
+fn on_limb(limb: usize, p: &Vector3<f64>) -> [i64; 4] {
+    let [x, y, z] = point(p);
+    [limb as i64, x, y, z]
 }
 
 /// How a layer looks.
@@ -84,40 +95,22 @@ pub(super) struct Layer {
     pub labels: Vec<String>,
 }
 
-/// The joints of a body and what lies between them.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Skeleton {
-    name: &'static str,
-    poses: &'static str,
-    look: Look,
-    colour: &'static str,
-    names: Vec<String>,
-    /// Per joint the limb that it is on.
-    parents: Vec<usize>,
-    /// Per limb at an end the limb and the middle of its skin.
-    tips: Vec<[i64; 4]>,
-    /// The joints that are not determined.
-    open: Vec<usize>,
-    /// What is said after a joint's name.
-    says: &'static str,
-}
-
-impl Skeleton {
-    fn of(agent: &Agent, name: &'static str, poses: &'static str, look: Look) -> Skeleton {
-        let joints = agent.creature().joints();
-        let tip = |(limb, p): (usize, Vector3<f64>)| [limb as i64, whole(p.x), whole(p.y), whole(p.z)];
-        Skeleton {
-            name,
-            poses,
-            look,
-            colour: SHADE,
-            names: joints.iter().map(|joint| joint.name.clone()).collect(),
-            parents: joints.iter().map(|joint| joint.parent).collect(),
-            tips: pose::tips(agent).into_iter().map(tip).collect(),
-            open: Vec::new(),
-            says: "",
-        }
-    }
+/// The joints of a body and what lies between them; the `open` ones are not determined.
+fn skeleton(agent: &Agent, name: &str, poses: &str, look: Look, open: &[usize]) -> Value {
+    let joints = agent.creature().joints();
+    json!({
+        "name": name,
+        "poses": poses,
+        "look": look,
+        "colour": SHADE,
+        "names": joints.iter().map(|joint| &joint.name).collect::<Vec<_>>(),
+        // Per joint the limb that it is on, and per limb at an end the middle of its skin.
+        "parents": joints.iter().map(|joint| joint.parent).collect::<Vec<_>>(),
+        "tips": pose::tips(agent).iter().map(|(limb, p)| on_limb(*limb, p)).collect::<Vec<_>>(),
+        "open": open,
+        // What is said after a joint's name.
+        "says": if look == Look::Ghost { " in truth" } else { "" },
+    })
 }
 
 /// Where a body is on the way from not being known to being known.
@@ -151,12 +144,10 @@ pub(super) struct BodyScene {
     pub meshes: Vec<BodyMesh>,
     /// What is drawn, and where.
     pub layers: Vec<Layer>,
-    /// What is drawn over it.
-    pub skeletons: Vec<Skeleton>,
-    /// The auras about limbs.
-    pub auras: Vec<AuraOverlay>,
-    /// Which receptors are neighbours.
-    pub maps: Vec<MapOverlay>,
+    /// The skeletons, the auras and the maps that are drawn over it.
+    pub skeletons: Vec<Value>,
+    pub auras: Vec<Value>,
+    pub maps: Vec<Value>,
     /// Poses by name, as they are at first; those that are missing are told later.
     pub poses: Vec<(&'static str, Pose)>,
     /// Per receptor how much it is touched, 0 to 1.
@@ -184,7 +175,7 @@ impl BodyScene {
         let skin = agent.skin();
         let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
         let mut scene = BodyScene {
-            auras: vec![AuraOverlay::by_schema(agent, schema, open, poses)],
+            auras: vec![senses::auras(agent, schema, open, poses)],
             hidden: vec![JOINTS, TRUE_JOINTS, AURAS, MAP],
             ..BodyScene::default()
         };
@@ -192,7 +183,7 @@ impl BodyScene {
         scene.add_receptors(skin, poses, ids);
         scene.layers[1].lit_alone = true;
         if skin.receptors.len() <= MOST_NEIGHBOURS {
-            scene.maps.push(MapOverlay::by_schema(agent, schema, poses));
+            scene.maps.push(senses::map(agent, schema, poses));
         }
         scene
     }
@@ -245,8 +236,7 @@ impl BodyScene {
 
     /// Draws the learned joints, of which the `open` ones are not determined.
     pub fn add_joints(&mut self, agent: &Agent, open: &[usize]) {
-        let own = Skeleton { open: open.to_vec(), ..Skeleton::of(agent, JOINTS, "learned", Look::Solid) };
-        self.skeletons.push(own);
+        self.skeletons.push(skeleton(agent, JOINTS, "learned", Look::Solid, open));
     }
 
     /// Draws the true body behind the learned one, thin and grey.
@@ -254,8 +244,7 @@ impl BodyScene {
         let name = "true body".to_string();
         let (poses, colour, look) = ("true", Some(SHADE), Look::Ghost);
         self.layers.push(Layer { name, poses, colour, look, ..Layer::default() });
-        self.skeletons
-            .push(Skeleton { says: " in truth", ..Skeleton::of(agent, TRUE_JOINTS, "true", Look::Ghost) });
+        self.skeletons.push(skeleton(agent, TRUE_JOINTS, "true", look, &[]));
     }
 
     /// The box about the corners of meshes at poses, and about joints; none where there is nothing.
@@ -278,7 +267,7 @@ impl BodyScene {
     fn told(&self) -> String {
         let mesh = |mesh: &BodyMesh| -> Vec<Vec<i64>> {
             let piece = |piece: &mesh::Piece| {
-                let corners = piece.corners.iter().flat_map(|p| [p.x, p.y, p.z].map(whole));
+                let corners = piece.corners.iter().flat_map(point);
                 [piece.topology as i64, piece.limb as i64].into_iter().chain(corners).collect()
             };
             mesh.pieces.iter().map(piece).collect()
@@ -310,7 +299,7 @@ impl BodyScene {
             "poses": poses,
             "values": self.values.iter().map(|value| (value * 1e3).round() / 1e3).collect::<Vec<_>>(),
             "steps": steps,
-            "room": self.room.map(|corner| [corner.x, corner.y, corner.z].map(whole)),
+            "room": self.room.map(|corner| point(&corner)),
         })
         .to_string()
     }
@@ -319,9 +308,8 @@ impl BodyScene {
     pub fn figure(&self, says: &str, height: usize, legend: &str, caption: &str) -> String {
         let mut names: Vec<&str> = Vec::new();
         let layers = self.layers.iter().map(|layer| layer.name.as_str());
-        let senses = [(AURAS, !self.auras.is_empty()), (MAP, !self.maps.is_empty())];
-        let senses = senses.into_iter().filter_map(|(name, there)| there.then_some(name));
-        for name in layers.chain(self.skeletons.iter().map(|skeleton| skeleton.name)).chain(senses) {
+        let over = self.skeletons.iter().chain(&self.auras).chain(&self.maps);
+        for name in layers.chain(over.filter_map(|own| own["name"].as_str())) {
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::whole;
+use super::{point, whole};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::geometry::Frame;
@@ -57,7 +57,7 @@ impl Pose {
             [q.w, q.i, q.j, q.k, o.x, o.y, o.z].map(whole)
         };
         let frames: Vec<i64> = self.frames.iter().flat_map(numbers).collect();
-        let begins: Vec<i64> = self.begins.iter().flat_map(|p| [p.x, p.y, p.z].map(whole)).collect();
+        let begins: Vec<i64> = self.begins.iter().flat_map(point).collect();
         json!({ "frames": frames, "begins": begins })
     }
 }

@@ -51,8 +51,8 @@
     element("lines").scrollTop = element("lines").scrollHeight;
   };
 
-  const send = (path, body) =>
-    fetch(path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+  const send = (asked) =>
+    fetch("ask", { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(asked) });
 
   // What this browser looks at, which nobody else knows: a touch or a posture of a session, another one beside it, and the
   // receptor that was clicked.
@@ -126,9 +126,9 @@
       element("text").value = "";
       // What was not taken is there to be said again, unless something else is typed by then.
       const back = () => { element("text").value ||= text; };
-      if (text) send("say", { text }).then((answer) => { if (!answer.ok) back(); }, back);
+      if (text) send({ say: text }).then((answer) => { if (!answer.ok) back(); }, back);
     });
-    body.onReceptor((receptor) => send("touch", { receptor }));
+    body.onReceptor((receptor) => send({ touch: receptor }));
   }
 
   if (looked) {
@@ -142,7 +142,7 @@
       waits = true;
       while (again) {
         again = false;
-        const answer = await send("show", asked).catch(() => null);
+        const answer = await send({ show: asked }).catch(() => null);
         if (answer?.ok) receive(await answer.json());
       }
       waits = false;

@@ -71,8 +71,9 @@ pub enum Reception {
     Full,
 }
 
-/// What a page asks for.
-#[derive(Clone, Debug, PartialEq)]
+/// What a page asks for, as in `{"say": "hello"}`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Asked {
     /// A line that was typed.
     Say(String),
@@ -180,9 +181,7 @@ fn routes(shared: Shared) -> Router {
         .route("/charts", get(charts))
         .route("/events", get(events))
         .route("/report", get(finished_report))
-        .route("/say", post(say))
-        .route("/touch", post(touch))
-        .route("/show", post(show))
+        .route("/ask", post(ask))
         .layer(DefaultBodyLimit::max(LONGEST_BODY))
         .layer(from_fn(guard))
         .with_state(shared)
@@ -236,39 +235,16 @@ async fn finished_report(State(shared): State<Shared>) -> Response {
     answer(page, report::SCRIPT, "there is no report yet: it is written once all is learned")
 }
 
-#[derive(Deserialize)]
-struct SayRequest {
-    text: String,
-}
-
-#[derive(Deserialize)]
-struct TouchRequest {
-    receptor: usize,
-}
-
-async fn say(State(shared): State<Shared>, Json(SayRequest { text }): Json<SayRequest>) -> Response {
-    shared.ask(Asked::Say(text.trim().chars().take(LONGEST_LINE).collect()))
-}
-
-async fn touch(
-    State(shared): State<Shared>,
-    Json(TouchRequest { receptor }): Json<TouchRequest>,
-) -> Response {
-    shared.ask(Asked::Touch(receptor))
-}
-
-async fn show(State(shared): State<Shared>, Json(asked): Json<ShowRequest>) -> Response {
-    shared.ask(Asked::Show(asked))
-}
-
-impl Shared {
-    fn ask(&self, asked: Asked) -> Response {
-        match self.view.ask(asked) {
-            Reception::Taken => StatusCode::NO_CONTENT.into_response(),
-            Reception::Shown(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
-            Reception::Nobody => StatusCode::NOT_FOUND.into_response(),
-            Reception::Full => StatusCode::SERVICE_UNAVAILABLE.into_response(),
-        }
+async fn ask(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Response {
+    let asked = match asked {
+        Asked::Say(text) => Asked::Say(text.trim().chars().take(LONGEST_LINE).collect()),
+        other => other,
+    };
+    match shared.view.ask(asked) {
+        Reception::Taken => StatusCode::NO_CONTENT.into_response(),
+        Reception::Shown(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
+        Reception::Nobody => StatusCode::NOT_FOUND.into_response(),
+        Reception::Full => StatusCode::SERVICE_UNAVAILABLE.into_response(),
     }
 }
 
