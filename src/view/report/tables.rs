@@ -158,74 +158,59 @@ pub(super) fn limbs(input: &ReportInput) -> String {
     )
 }
 
-/// The table of joints: a row per degree of freedom, what is of the joint once for all of them.
+/// The table of joints: a row per degree of freedom, the first of which has what is of the joint.
 pub(super) fn joints(input: &ReportInput) -> String {
     let creature = input.agent.creature();
     let [involved, _] = touches_across(input.agent, input.touches);
     let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, input.undetermined, &[]));
-    let numbers = |cells: Vec<String>| -> String {
-        cells.iter().map(|cell| format!("<td class=\"number\">{cell}</td>")).collect()
-    };
-    let error = |dof: usize| match &errors {
-        // Dashes where there is none that means anything.
-        Some(errors) => {
-            let found = errors.iter().find(|error| error.dof == dof);
-            let of = [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)];
-            numbers(of.map(|error| number(error.unwrap_or(f64::NAN))).to_vec())
-        }
-        None => String::new(),
-    };
-    let mut groups = String::new();
+    let mut rows = Vec::new();
     for (j, joint) in creature.joints().iter().enumerate() {
-        let lines = joint.dofs.len().max(1);
-        let cell =
-            |class: &str, content: &str| format!("<td rowspan=\"{lines}\" class=\"{class}\">{content}</td>");
-        let (class, determined) = if input.undetermined.contains(&j) { ("open", "no") } else { ("", "yes") };
-        let mut place: Vec<String> =
-            input.schema.positions[j].iter().map(|x| coordinate(1e3 * x, 1)).collect();
-        let std = input.std.map(|std| std.positions[j].map(|m| number(1e3 * m.unwrap_or(f64::NAN))));
-        place.extend(std.into_iter().flatten());
-        let mut row = format!(
-            "<th rowspan=\"{lines}\" scope=\"rowgroup\">{}</th>{}{}{}{}",
-            escape(&joint.name),
-            cell("", &escape(&creature.limbs()[joint.parent])),
-            cell("number", &involved[j].to_string()),
-            cell(class, determined),
-            place.iter().map(|number| cell("number", number)).collect::<String>(),
-        );
-        groups.push_str("<tbody>\n");
+        let determined = if input.undetermined.contains(&j) { "no" } else { "yes" };
+        let limb = creature.limbs()[joint.parent].clone();
+        let position = input.schema.positions[j].iter().map(|x| coordinate(1e3 * x, 1));
+        let std = input.std.map(|std| std.positions[j].map(|m| error_number(1e3 * m.unwrap_or(f64::NAN))));
+        let mut of_joint = vec![joint.name.clone(), limb, involved[j].to_string(), determined.to_string()];
+        of_joint.extend(position.chain(std.into_iter().flatten()));
         for (dof, k) in joint.dofs.iter().zip(joint.dof_indices()) {
-            let axis = match dof.kind {
-                DofKind::Ball => "<td colspan=\"3\" class=\"ball\">turns freely</td>".into(),
-                _ => numbers(input.schema.axes[k].iter().map(|x| coordinate(*x, 3)).collect()),
-            };
-            let std = input.std.map(|std| number(std.axes[k].map_or(f64::NAN, f64::to_degrees)));
             let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
-            let name = if lines == 1 { String::new() } else { escape(short) };
-            let certainty = numbers(std.into_iter().collect());
-            groups.push_str(&format!("<tr>{row}<td>{name}</td>{axis}{certainty}{}</tr>\n", error(k)));
-            row.clear();
+            let is_ball = dof.kind == DofKind::Ball;
+            let name = match joint.dofs.len() {
+                _ if is_ball => "turns freely",
+                1 => "",
+                _ => short,
+            };
+            let axis = input.schema.axes[k].iter();
+            let axis = axis.map(|x| if is_ball { String::new() } else { coordinate(*x, 3) });
+            let std = input.std.map(|std| std.axes[k].map_or(f64::NAN, f64::to_degrees));
+            let off = errors.as_ref().map(|errors| {
+                // Dashes where there is none that means anything.
+                let found = errors.iter().find(|error| error.dof == k);
+                [found.map(|e| e.degrees), found.and_then(|e| e.line_millimetres)]
+            });
+            let off = off.into_iter().flatten().map(|error| error.unwrap_or(f64::NAN));
+            let numbers = std.into_iter().chain(off).map(error_number);
+            let of_dof = std::iter::once(name.to_string()).chain(axis).chain(numbers);
+            rows.push(of_joint.iter().cloned().chain(of_dof).collect::<Vec<_>>());
+            of_joint.fill(String::new());
         }
-        groups.push_str("</tbody>\n");
     }
-    let columns = errors
-        .as_ref()
-        .map_or("", |_| "<th class=\"number\">off by, °</th><th class=\"number\">off by, mm</th>");
-    let [position_std, axis_std, std_note] = input.std.map_or([""; 3], |_| {
-        [
-            "<th colspan=\"3\" class=\"number\">± x y z, mm</th>",
-            "<th class=\"number\">±, °</th>",
-            " ± is one standard deviation by the learner's own account, of an axis that of each coordinate across it; a dash \
-             stands where nothing determines it.",
-        ]
+    let titles = [
+        (true, &["Joint", "On limb", "Touches", "Determined", "x, mm", "y, mm", "z, mm"][..]),
+        (input.std.is_some(), &["± x, mm", "± y, mm", "± z, mm"]),
+        (true, &["DOF", "axis x", "axis y", "axis z"]),
+        (input.std.is_some(), &["±, °"]),
+        (errors.is_some(), &["off by, °", "off by, mm"]),
+    ];
+    let titles = titles.iter().filter(|(there, _)| *there).flat_map(|(_, titles)| titles.iter().copied());
+    let std_note = input.std.map_or("", |_| {
+        " ± is one standard deviation by the learner's own account, of an axis that of each coordinate across it; a dash stands \
+         where nothing determines it."
     });
     format!(
-        "<div class=\"wide\" tabindex=\"0\"><table class=\"joints\">\n<thead><tr><th>Joint</th><th>On limb</th><th class=\"number\">Touches</th>\
-         <th>Determined</th><th colspan=\"3\" class=\"number\">Position x y z, mm</th>{position_std}<th>DOF</th>\
-         <th colspan=\"3\" class=\"number\">Axis x y z</th>{axis_std}{columns}</tr></thead>\n{groups}</table></div>\n\
-         <p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are \
-         those between limbs with the joint on the way from one to the other. A position may slide along \
-         its axis unfelt: what counts is how far the axis turns off (°) and passes by (mm).{std_note}</p>\n"
+        "{}<p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are those between \
+         limbs with the joint on the path from one to the other. A position may slide along its axis unobserved: what counts is \
+         how far the axis turns off (°) and passes by (mm).{std_note}</p>\n",
+        Table::new(titles, rows).html("joints")
     )
 }
 
