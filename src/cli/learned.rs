@@ -16,7 +16,7 @@ use crate::session::{
     TOUCHES_FILE, TouchLog, learn_session, read_touches,
 };
 use crate::simulation::MotionName;
-use crate::view::report::{REPORT_FILE, error_rows, summaries, write_report};
+use crate::view::report::{REPORT_FILE, bound_in_words, error_rows, summaries, write_report};
 use crate::view::text::{self, plural, shell_words};
 use crate::view::tone::Tone;
 
@@ -224,17 +224,9 @@ pub fn print_knowledge(record: &LearningRecord) {
     }
 }
 
-/// The error beside its bound, both as root mean squares.
+/// The error beside its bound.
 pub fn print_bound(bound: &CramerRaoBound) {
-    let CramerRaoBound { error_rms, ratio, bound_rms, at_floor, .. } = bound;
-    let beside = match at_floor {
-        true => "touches are explained to the numerical floor".to_string(),
-        false => format!(
-            "{ratio:.2} times the Cramér-Rao bound of {} mm, which holds on average over sessions",
-            output::number(*bound_rms)
-        ),
-    };
-    say!("\n  root mean square of located limbs: {} mm; {beside}", output::number(*error_rms));
+    say!("\n  {}", bound_in_words(bound));
 }
 
 /// The touches of a session's folder; what is missing at the end of their log is told.

@@ -56,15 +56,11 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let touches = subject.babble(trial.touches, trial.seed)?;
     let row = |disturbances: DisturbanceLevels| {
         let options = LearningOptions { disturbances, ..LearningOptions::default() };
-        let run = subject.learn(&options, &touches, trial.seed);
-        let mut row = json!(disturbances);
+        let (_, mut row) = subject.learn(&options, &touches, trial.seed);
         row["disturbances"] = json!(disturbances.to_string());
-        row["converged"] = json!(run.converged());
-        row["heldout_mm"] = json!(run.heldout_mm());
-        row["hand_mm"] = json!(run.hand_mm());
-        row["noise_estimate_mm"] = json!(run.learned.deviation.map(|metres| 1e3 * metres));
-        row["initial_guesses"] = json!(run.learned.initial_guesses);
-        row["work_s"] = json!(run.work_s);
+        row["joint_noise_deg"] = json!(disturbances.joint_noise);
+        row["receptor_noise_mm"] = json!(disturbances.receptor_noise);
+        row["false_touches"] = json!(disturbances.false_touches);
         row
     };
     Ok(LEVELS.into_iter().filter(|levels| trial.asks(&levels.to_string())).map(row).collect())

@@ -48,16 +48,9 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (name, options) in learners().into_iter().filter(|(name, _)| trial.asks(name)) {
         for count in touch_counts(touches.len()) {
-            let run = subject.learn(&options, &touches[..count], trial.seed);
-            rows.push(json!({
-                "learner": name,
-                "touches": count,
-                "heldout_mm": run.heldout_mm(),
-                "hand_mm": run.hand_mm(),
-                "converged": run.converged(),
-                "initial_guesses": run.learned.initial_guesses,
-                "work_s": run.work_s,
-            }));
+            let (_, mut row) = subject.learn(&options, &touches[..count], trial.seed);
+            (row["learner"], row["touches"]) = (json!(name), json!(count));
+            rows.push(row);
         }
     }
     Ok(rows)

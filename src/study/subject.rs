@@ -3,6 +3,9 @@
 use std::ops::Deref;
 use std::path::Path;
 
+use serde_json::json;
+
+use super::Row;
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::creature::JointSelection;
 use crate::deadline::apart;
@@ -36,14 +39,6 @@ impl Knowledge {
     }
 }
 
-/// What a learner came to.
-pub(super) struct LearnerRun {
-    pub learned: Learned,
-    pub evaluation: Evaluation,
-    /// Work of learning, in seconds of one core.
-    pub work_s: f64,
-}
-
 impl Deref for Subject {
     type Target = Embodied;
 
@@ -75,8 +70,8 @@ impl Subject {
         let own = match session {
             None => {
                 let touches = self.babble(touches, seed)?;
-                let run = self.learn(&LearningOptions::default(), &touches, seed);
-                OwnBody::of(self.agent(), &run.learned, touches.iter().map(|touch| &touch.posture))
+                let (learned, _) = self.learn(&LearningOptions::default(), &touches, seed);
+                OwnBody::of(self.agent(), &learned, touches.iter().map(|touch| &touch.posture))
             }
             Some(folder) => {
                 let (session, own) = own_body(folder)?;
@@ -127,41 +122,33 @@ impl Subject {
         Ok(self.embodied.touches(&babbler, PolicyName::Random, &options)?.0)
     }
 
-    /// Learns from touches, disturbed as the options say, and measures against the truth.
+    /// Learns from touches, disturbed as the options say; what was learned, and its measures against the truth.
     pub(super) fn learn(
         &self,
         options: &LearningOptions,
         touches: &[RecordedTouch],
         seed: u64,
-    ) -> LearnerRun {
+    ) -> (Learned, Row) {
         let felt = options.disturbances.disturbances().felt(self.agent(), touches, options.input(), seed);
         let mut learner = options.learner(&felt.agent, seed);
         let (learned, done) = apart(|| {
             felt.touches.iter().for_each(|touch| learner.touch(touch));
             learner.learn()
         });
-        let evaluation = evaluate_learned(self.agent(), self.truth(), &learned);
-        LearnerRun { learned, evaluation, work_s: done.seconds() }
-    }
-}
-
-impl LearnerRun {
-    /// Mean error of skin in another limb's frame, millimetres.
-    pub fn heldout_mm(&self) -> f64 {
-        self.evaluation.heldout_mm.mean
-    }
-
-    /// The same with a hand as one of the two; NaN if the creature has none.
-    pub fn hand_mm(&self) -> f64 {
-        self.evaluation.hand_mm.map_or(f64::NAN, |hand| hand.mean)
-    }
-
-    /// The learner's own verdict; for one that has none, whether the error is [`CONVERGED_MM`] or less.
-    pub fn converged(&self) -> bool {
-        match self.learned.verdict {
+        let Evaluation { heldout_mm, hand_mm, .. } = evaluate_learned(self.agent(), self.truth(), &learned);
+        let converged = match learned.verdict {
             Verdict::Converged => true,
             Verdict::Failed(_) => false,
-            Verdict::Unjudged(_) => self.heldout_mm() <= CONVERGED_MM,
-        }
+            Verdict::Unjudged(_) => heldout_mm.mean <= CONVERGED_MM,
+        };
+        let row = json!({
+            "heldout_mm": heldout_mm.mean,
+            "hand_mm": hand_mm.map(|hand| hand.mean),
+            "converged": converged,
+            "noise_estimate_mm": learned.deviation.map(|metres| 1e3 * metres),
+            "initial_guesses": learned.initial_guesses,
+            "work_s": done.seconds(),
+        });
+        (learned, row)
     }
 }

@@ -248,7 +248,7 @@ fn the_program_keeps_to_what_is_known_and_says_so() {
     assert_eq!(file("session.json")["options"]["known"], "some.json");
     let report = std::fs::read_to_string(place.path().join("s/report.html")).unwrap();
     assert!(
-        report.contains("the numerical floor") && report.contains("± x y z, mm"),
+        report.contains("the numerical floor") && report.contains("± x, mm"),
         "the report does not say how sure"
     );
     // All that is known and nothing to learn is no failure; a learner that cannot use it refuses.

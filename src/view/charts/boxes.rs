@@ -3,16 +3,13 @@
 use super::{ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::text::short_number as number;
 
-/// Values below this are drawn as this, millimetres: rounding, not learning.
-const LEAST: f64 = 1e-12;
 /// Height of a row, and width of all of them, pixels.
 const ROW: f64 = 17.0;
 const WIDTH: f64 = 560.0;
 
 /// The least, the three quartiles and the greatest of values that are finite; `None` if there is none.
 pub fn quartiles(values: impl IntoIterator<Item = f64>) -> Option<[f64; 5]> {
-    let finite = values.into_iter().filter(|value| value.is_finite());
-    let mut values: Vec<f64> = finite.map(|value| value.max(LEAST)).collect();
+    let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;
     Some([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| values[(share * last as f64).round() as usize]))

@@ -6,24 +6,21 @@ use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
 use crate::view::text::{short_number as number, thinned, touches};
 
-/// Values below this are drawn as this, millimetres: rounding, not learning.
-const LEAST: f64 = 1e-12;
 /// Most touches that are drawn as dots.
 const MOST_DOTS: usize = 1200;
 
 /// The picture; a sentence where nothing was kept to draw it from.
 pub(super) fn figure_of(input: &ReportInput) -> String {
-    let drawn = |value: f64| value.abs().max(LEAST);
     let of_checkpoints = |value: fn(&Checkpoint) -> Option<f64>| -> Vec<[f64; 2]> {
         let points = input.checkpoints.iter();
-        points.filter_map(|at| Some([at.touches as f64, drawn(value(at)?)])).collect()
+        points.filter_map(|at| Some([at.touches as f64, value(at)?])).collect()
     };
     let (initial_guess, errors): (Vec<_>, Vec<_>) =
         of_checkpoints(|at| at.error_rms).into_iter().partition(|at| at[0] == 0.0);
     let limits: Vec<_> = of_checkpoints(|at| at.bound_rms).into_iter().filter(|at| at[0] > 0.0).collect();
     let prediction = |row: &LearningRow| {
         let (gap, deviation) = (row.predicted_gap_mm?, row.predicted_deviation_mm?);
-        Some([row.touches as f64, drawn(gap), drawn(deviation)])
+        Some([row.touches as f64, gap.abs(), deviation])
     };
     let predicted: Vec<[f64; 3]> =
         thinned(input.predictions.iter().filter_map(prediction).collect(), MOST_DOTS);

@@ -24,7 +24,7 @@ use crate::session::{Checkpoint, LearningRow, SpaceRecord};
 use crate::view::page;
 use crate::view::text::escape;
 pub use session::{REPORT_FILE, write_report};
-pub(crate) use tables::{error_rows, limb_table, summaries};
+pub(crate) use tables::{bound_in_words, error_rows, limb_table, summaries};
 
 /// What the page does beside drawing the body.
 pub(super) const SCRIPT: &str = include_str!("report.js");

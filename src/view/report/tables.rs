@@ -6,7 +6,7 @@ use crate::evaluation::{CramerRaoBound, Evaluation, Summary, axis_errors, touche
 use crate::learning::{Account, LimbLine};
 use crate::senses::limb_pairs;
 use crate::view::table::Table;
-use crate::view::text::{error_number, escape, plural, short_number};
+use crate::view::text::{error_number, escape, plural};
 
 /// The numbers of the session, counted and told.
 pub(super) fn facts(input: &ReportInput) -> String {
@@ -26,11 +26,6 @@ pub(super) fn facts(input: &ReportInput) -> String {
     let rows = definitions(counted.iter().chain(&input.facts).chain(&seed));
     let commands: String = input.commands.iter().map(commands).collect();
     commands + &rows
-}
-
-/// An error as HTML has it.
-fn number(value: f64) -> String {
-    escape(&error_number(value))
 }
 
 /// A list of names and values.
@@ -73,29 +68,29 @@ pub(super) fn errors(input: &ReportInput) -> String {
     let Some(evaluation) = input.evaluation else {
         return "<p>The truth is not known, so no error could be measured.</p>\n".into();
     };
-    let bound = evaluation.bound_mm.as_ref().map_or(String::new(), bound);
+    let bound = evaluation
+        .bound_mm
+        .as_ref()
+        .map_or(String::new(), |bound| format!(" The {}.", bound_in_words(bound)));
     format!(
         "{}<p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the values are no \
-         greater than the column says.</p>\n{bound}",
-        summaries(error_rows(evaluation)).html("errors")
+         greater than the column says.{}</p>\n",
+        summaries(error_rows(evaluation)).html("errors"),
+        escape(&bound)
     )
 }
 
-/// The error beside the least that there could be.
-fn bound(bound: &CramerRaoBound) -> String {
+/// The error beside its bound, both as root mean squares, in words.
+pub fn bound_in_words(bound: &CramerRaoBound) -> String {
     let beside = match bound.at_floor {
-        true => "the touches are explained to the numerical floor.".to_string(),
+        true => "the touches are explained to the numerical floor".to_string(),
         false => format!(
-            "{} times the Cramér-Rao bound of {} mm, the least that any unbiased learner could leave on average over many \
-             sessions like this one, if their noise is what the learner estimates. A single session may lie below it.",
-            short_number(bound.ratio),
-            number(bound.bound_rms)
+            "{:.2} times the Cramér-Rao bound of {} mm, which holds on average over sessions",
+            bound.ratio,
+            error_number(bound.bound_rms)
         ),
     };
-    let error = number(bound.error_rms);
-    format!(
-        "<p class=\"bound\">Of located limbs the error is {error} mm as a root mean square: {beside}</p>\n"
-    )
+    format!("root mean square of located limbs: {} mm; {beside}", error_number(bound.error_rms))
 }
 
 /// What the touches leave open, in sentences.
