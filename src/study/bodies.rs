@@ -342,7 +342,6 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
     let (agent, creature) = (embodied.agent(), embodied.creature());
     let points = held_out_points(agent);
     let errors = held_out(creature, embodied.truth(), &learned.schema, &points);
-    let judged = judge(embodied, learned, &points, &errors);
     let millimetres = || errors.iter().map(|error| error.millimetres);
     let (count, limit) = (errors.len() as f64, 1e3 * RIGHT * length);
     let mean = millimetres().sum::<f64>() / count;
@@ -355,7 +354,7 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
         Verdict::Unjudged(why) => ("not judged", why),
     };
     let skinned = agent.limbs_with_skin().len();
-    json!({
+    let mut row = json!({
         "outcome": outcome,
         "reason": reason,
         "joints": creature.joints().len(),
@@ -367,56 +366,46 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
         "right": right,
         "whole": right >= WHOLE,
         "pairs": skinned * skinned.saturating_sub(1) / 2,
-        "claims": judged.claims,
-        "wrong": judged.wrong,
-        "worst_mm": judged.worst_mm,
-        "worst_deviations": judged.worst_deviations,
-    })
+    });
+    judge(&mut row, embodied, learned, (&points, &errors));
+    row
 }
 
-/// Claims held against the truth.
-struct Judged {
-    /// Pairs of limbs that are claimed, and those of them that are wrong.
-    claims: usize,
-    wrong: usize,
-    /// The greatest error of a claim, and the most of its own deviations that an error is that matters; NaN if there is none.
-    worst_mm: f64,
-    worst_deviations: f64,
-}
-
-/// Holds what a learner claims against the truth: that skin of two limbs of one class of its account is located in each
-/// other's frames.
-fn judge(embodied: &Embodied, learned: &Learned, points: &[HeldOutPoint], errors: &[HeldOutError]) -> Judged {
-    let mut judged = Judged { claims: 0, wrong: 0, worst_mm: f64::NAN, worst_deviations: f64::NAN };
-    let Some(account) = learned.account.as_ref().filter(|_| learned.verdict.converged()) else {
-        return judged;
-    };
+/// Compares the claims of a learner with the truth: that skin of two limbs of one class of its account is located in each other's
+/// frames. Adds how many pairs of limbs are claimed, how many of these wrongly, the greatest error of a claim, and the most of its
+/// own deviations that an error is that matters.
+fn judge(
+    row: &mut Row,
+    embodied: &Embodied,
+    learned: &Learned,
+    (points, errors): (&[HeldOutPoint], &[HeldOutError]),
+) {
+    (row["claims"], row["wrong"]) = (json!(0), json!(0));
+    let account = learned.account.as_ref().filter(|_| learned.verdict.converged());
+    let Some(account) = account else { return };
     // What is off by little of a person is off by much of a hand.
     let negligible = LengthUnit::of(embodied.agent()).metres() * NEGLIGIBLE_MM;
     // Metres; of a point that has none, the deviation that would just be claimed.
-    let deviation = |point: &HeldOutPoint| {
-        let HeldOutPoint { posture, limbs, p_a, .. } = point;
-        let own =
-            account.observability.point_deviation(embodied.creature(), &learned.schema, posture, *limbs, p_a);
+    let deviation = |HeldOutPoint { posture, limbs, p_a, .. }: &HeldOutPoint| {
+        let (creature, observed) = (embodied.creature(), &account.observability);
+        let own = observed.point_deviation(creature, &learned.schema, posture, *limbs, p_a);
         if own.is_finite() { own } else { account.limit() / Z95 }
     };
-    let mut pairs: BTreeMap<[usize; 2], Vec<(&HeldOutPoint, f64)>> = BTreeMap::new();
-    for (point, error) in points.iter().zip(errors) {
+    let (mut worst_mm, mut worst_deviations) = (f64::NAN, f64::NAN);
+    // Per pair of limbs that is claimed, whether that is wrong.
+    let mut claims: BTreeMap<[usize; 2], bool> = BTreeMap::new();
+    for (point, HeldOutError { millimetres, .. }) in points.iter().zip(errors) {
         let [a, b] = point.limbs;
-        pairs.entry([a.min(b), a.max(b)]).or_default().push((point, error.millimetres));
-    }
-    for (_, of_pair) in pairs.into_iter().filter(|([a, b], _)| account.claims(*a, *b)) {
-        judged.claims += 1;
-        let mut wrong = false;
-        for (point, millimetres) in of_pair {
-            judged.worst_mm = judged.worst_mm.max(millimetres);
-            if millimetres > negligible {
-                let deviations = millimetres / (1e3 * deviation(point));
-                judged.worst_deviations = judged.worst_deviations.max(deviations);
-                wrong |= deviations > DEVIATIONS;
-            }
+        if !account.claims(a, b) {
+            continue;
         }
-        judged.wrong += usize::from(wrong);
+        let matters = *millimetres > negligible;
+        let deviations = if matters { millimetres / (1e3 * deviation(point)) } else { f64::NAN };
+        worst_mm = millimetres.max(worst_mm);
+        worst_deviations = deviations.max(worst_deviations);
+        *claims.entry([a.min(b), a.max(b)]).or_default() |= deviations > DEVIATIONS;
     }
-    judged
+    row["claims"] = json!(claims.len());
+    row["wrong"] = json!(claims.values().filter(|is_wrong| **is_wrong).count());
+    (row["worst_mm"], row["worst_deviations"]) = (json!(worst_mm), json!(worst_deviations));
 }

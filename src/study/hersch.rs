@@ -18,6 +18,7 @@ use crate::geometry::tangent_basis;
 use crate::kinematics::limb_frames;
 use crate::learning::initial_guess::random_guess;
 use crate::learning::{Hersch, Input, Learner, STEP};
+use crate::named::named;
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
 
@@ -73,6 +74,13 @@ enum Given {
     VisionOfAny,
 }
 
+named!(Given, "input", {
+    Centres => "touch, receptor centres",
+    Contacts => "touch, exact points",
+    VisionOfTouching => "vision, limbs that touch",
+    VisionOfAny => "vision, any limbs",
+});
+
 /// How the rule is applied.
 #[derive(Clone, Copy, PartialEq)]
 struct Rule {
@@ -100,19 +108,6 @@ struct Condition {
     /// Degrees.
     turned: Option<f64>,
     rule: Rule,
-}
-
-impl Given {
-    const ALL: [Given; 4] = [Given::Centres, Given::Contacts, Given::VisionOfTouching, Given::VisionOfAny];
-
-    fn name(self) -> &'static str {
-        match self {
-            Given::Centres => "touch, receptor centres",
-            Given::Contacts => "touch, exact points",
-            Given::VisionOfTouching => "vision, limbs that touch",
-            Given::VisionOfAny => "vision, any limbs",
-        }
-    }
 }
 
 fn conditions() -> impl Iterator<Item = Condition> {

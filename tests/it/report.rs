@@ -9,7 +9,7 @@ use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::Input;
 use bodyschema::mujoco::Model;
 use bodyschema::senses::{ExactContact, RecordedTouch, Touch, TouchEnd};
-use bodyschema::session::Checkpoint;
+use bodyschema::session::{Checkpoint, LearningRecord};
 use bodyschema::view::report::{self, ReportInput};
 use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::{Value, json};
@@ -44,8 +44,7 @@ struct Session {
     evaluation: Evaluation,
     residuals: ContactResiduals,
     touches: Vec<RecordedTouch>,
-    checkpoints: Vec<Checkpoint>,
-    open: Vec<String>,
+    record: LearningRecord,
 }
 
 impl Session {
@@ -73,8 +72,13 @@ impl Session {
         };
         let checkpoints =
             vec![checkpoint(0, 300.0), checkpoint(1, 200.0), checkpoint(2, 2.5), checkpoint(3, 1e-9)];
-        let open = vec!["<ball> slides".to_string()];
-        Session { agent, truth, evaluation, residuals, touches, checkpoints, open }
+        let record = LearningRecord {
+            verdict: "It can be relied on, \"mostly\" <so far>.".into(),
+            open_directions: vec!["<ball> slides".to_string()],
+            checkpoints,
+            ..LearningRecord::default()
+        };
+        Session { agent, truth, evaluation, residuals, touches, record }
     }
 
     fn input(&self) -> ReportInput<'_> {
@@ -86,20 +90,15 @@ impl Session {
             evaluation: Some(&self.evaluation),
             touches: &self.touches,
             residuals: &self.residuals,
-            checkpoints: &self.checkpoints,
+            record: &self.record,
             predictions: &[],
             space: None,
             seed: 7,
             commands: vec![("Made by".into(), "bodyschema babble '<odd>.xml'".into())],
             facts: vec![("Engine & co".into(), "<b>2.2</b>".into())],
-            verdict: "It can be relied on, \"mostly\" <so far>.".into(),
             converged: Some(true),
             seconds: Some(4.31),
-            account: None,
-            bounds_note: None,
             undetermined: &[1],
-            undetermined_limbs: &[],
-            open_directions: &self.open,
         }
     }
 }
@@ -219,7 +218,8 @@ fn a_page_without_truth_touches_or_curve_says_so() {
     let session = Session::new();
     let mut input = session.input();
     (input.truth, input.evaluation) = (None, None);
-    (input.touches, input.checkpoints, input.undetermined) = (&[], &[], &[]);
+    let record = LearningRecord::default();
+    (input.touches, input.record, input.undetermined) = (&[], &record, &[]);
     let page = report::html(&input);
     assert!(!rows(&parse(&page), "joints")[0].iter().any(|head| head.starts_with("off by")));
     assert!(page.contains("The truth is not known"));

@@ -116,11 +116,12 @@ fn steps(input: &ReportInput) -> Vec<Step> {
         poses: "learned",
         pose: Pose::at_rest(creature, schema),
     };
-    let before: Vec<&Checkpoint> = input.checkpoints.iter().filter(|at| at.touches < touches).collect();
+    let before: Vec<&Checkpoint> =
+        input.record.checkpoints.iter().filter(|at| at.touches < touches).collect();
     let most = (MOST_LIMBS_OF_STEPS / creature.limbs().len().max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
     let every = before.len().div_ceil(most - 1).max(1);
     let earlier = before.iter().step_by(every).map(|at| step(at.touches, at.error_rms, &at.schema));
-    let last = input.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
+    let last = input.record.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
     let last = Step { name: touches.to_string(), ..step(touches, last, input.schema) };
     earlier.chain([last]).collect()
 }

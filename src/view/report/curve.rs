@@ -12,7 +12,7 @@ const MOST_DOTS: usize = 1200;
 /// The picture; a sentence where nothing was kept to draw it from.
 pub(super) fn figure_of(input: &ReportInput) -> String {
     let of_checkpoints = |value: fn(&Checkpoint) -> Option<f64>| -> Vec<[f64; 2]> {
-        let points = input.checkpoints.iter();
+        let points = input.record.checkpoints.iter();
         points.filter_map(|at| Some([at.touches as f64, value(at)?])).collect()
     };
     let (initial_guess, errors): (Vec<_>, Vec<_>) =

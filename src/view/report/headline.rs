@@ -6,14 +6,14 @@ use crate::view::tone::Tone;
 
 /// The verdict; how much of the body is located, and, where the truth is known, how far off that is.
 pub(super) fn of(input: &ReportInput) -> String {
-    let named = input.undetermined.len() + input.undetermined_limbs.len();
+    let named = input.undetermined.len() + input.record.undetermined_limbs.len();
     let tone = |converged: bool| format!(" {}", Tone::new(converged, named).class());
     let tone = input.converged.map_or(String::new(), tone);
-    let verdict = escape(&input.verdict);
+    let verdict = escape(&input.record.verdict);
     let Some(evaluation) = input.evaluation else {
         return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
     };
-    let (error, located, of) = match input.account {
+    let (error, located, of) = match input.record.reliable_account() {
         Some(account) => {
             let (located, all) = (account.located().len(), account.limbs().len());
             (evaluation.determined_mm.mean, format!("{located} of {all} limbs located<br/>"), "located limbs")

@@ -17,10 +17,9 @@ mod touch_matrix;
 use crate::agent::Agent;
 use crate::evaluation::{ContactResiduals, Evaluation};
 use crate::ground_truth::GroundTruth;
-use crate::learning::Account;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::RecordedTouch;
-use crate::session::{Checkpoint, LearningRow, SpaceRecord};
+use crate::session::{LearningRecord, LearningRow, SpaceRecord};
 use crate::view::page;
 use crate::view::text::escape;
 pub use session::{REPORT_FILE, write_report};
@@ -46,8 +45,8 @@ pub struct ReportInput<'a> {
     pub touches: &'a [RecordedTouch],
     /// How far apart the schema puts what touched.
     pub residuals: &'a ContactResiduals,
-    /// The schema on the way, from the initial guess on; every schema must fit the creature.
-    pub checkpoints: &'a [Checkpoint],
+    /// What learning came to; its checkpoints and its account must fit the creature.
+    pub record: &'a LearningRecord,
     /// The rows of the table of learning, which have what the learner predicted of touches.
     pub predictions: &'a [LearningRow],
     /// Where the hands can get to, once that was worked out.
@@ -59,23 +58,12 @@ pub struct ReportInput<'a> {
     /// What else was done, name and value in the order to be shown: motions, learner, input, times, engine
     /// version. Joints, receptors, touches and limb pairs need no mention: they are counted here.
     pub facts: Vec<(String, String)>,
-    /// The verdict in a sentence.
-    pub verdict: String,
-    /// Whether what was learned stands up to fresh touches; none where nothing tells.
+    /// Whether held-out touches confirm what was learned; `None` if that was not kept.
     pub converged: Option<bool>,
     /// How long it took to touch and to learn, seconds; none where that was not kept.
     pub seconds: Option<f64>,
-    /// What is known of the body; `None` where learning did not converge or its learner gives no account; must be of the
-    /// creature.
-    pub account: Option<&'a Account>,
-    /// What the bounds in the account assume, in a sentence, where that is worth a word.
-    pub bounds_note: Option<&'static str>,
     /// The joints that the touches did not determine.
     pub undetermined: &'a [usize],
-    /// The limbs that are not placed though no joint between them and limbs that are is undetermined, by name.
-    pub undetermined_limbs: &'a [String],
-    /// Every direction in which the schema could change without any touch feeling it, in words.
-    pub open_directions: &'a [String],
 }
 
 /// A section of the page: its title, and what makes its content.

@@ -38,9 +38,8 @@ pub fn write_report(
     let joints = creature.joints();
     let undetermined: Vec<usize> =
         (0..joints.len()).filter(|&joint| record.undetermined.contains(&joints[joint].name)).collect();
-    let account = record.reliable_account();
     let evaluation = truth.map(|truth| {
-        let evaluation = evaluate_claims(agent, truth, &schema, account);
+        let evaluation = evaluate_claims(agent, truth, &schema, record.reliable_account());
         Evaluation { bound_mm: record.bound, ..evaluation }
     });
     let recorded = LearningOptions::default().for_session(session)?.input();
@@ -57,20 +56,15 @@ pub fn write_report(
         evaluation: evaluation.as_ref(),
         touches,
         residuals: &residuals,
-        checkpoints: &record.checkpoints,
+        record,
         predictions: &predictions,
         space: space.as_ref(),
         seed: found.as_ref().map_or(session.seed, |found| found.seed),
         commands: commands(session, found.as_ref()),
         facts: facts(session, found.as_ref()),
-        verdict: record.verdict.clone(),
         converged: found.as_ref().map(|found| found.converged),
         seconds: seconds(session, found.as_ref()),
-        account,
-        bounds_note: record.floor_note(),
         undetermined: &undetermined,
-        undetermined_limbs: &record.undetermined_limbs,
-        open_directions: &record.open_directions,
     };
     let path = folder.join(REPORT_FILE);
     write_whole(&path, html(&report).as_bytes()).map_err(Error::unwritable(&path))?;

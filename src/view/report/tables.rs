@@ -110,14 +110,18 @@ pub(super) fn undetermined(input: &ReportInput) -> String {
             listed(&open)
         ),
     };
-    let limbs = input.undetermined_limbs;
+    let limbs = &input.record.undetermined_limbs;
     if !limbs.is_empty() {
         let count = plural(limbs.len(), "limb");
         html += &format!("<p>{count} could not be located: {}.</p>\n", listed(limbs));
     }
-    if !input.open_directions.is_empty() {
-        let items: String =
-            input.open_directions.iter().map(|words| format!("<li>{}</li>\n", escape(words))).collect();
+    if !input.record.open_directions.is_empty() {
+        let items: String = input
+            .record
+            .open_directions
+            .iter()
+            .map(|words| format!("<li>{}</li>\n", escape(words)))
+            .collect();
         let all_located = input.undetermined.is_empty() && limbs.is_empty();
         let title = match all_located {
             true => "Unobservable, but they move no located skin relative to other located skin:",
@@ -141,10 +145,10 @@ pub fn limb_table(account: &Account, creature: &Creature) -> Table {
 
 /// The same on the page; a sentence without an account.
 pub(super) fn limbs(input: &ReportInput) -> String {
-    let Some(account) = input.account else {
+    let Some(account) = input.record.reliable_account() else {
         return "<p class=\"note\">No bounds are given: no held-out touches confirm the schema.</p>\n".into();
     };
-    let note = input.bounds_note.map_or(String::new(), |note| format!(" {note}"));
+    let note = input.record.floor_note().map_or(String::new(), |note| format!(" {note}"));
     format!(
         "{}<p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
          located relative to one another: in that where it is known best, and in that where it is known worst. A dash \
