@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
 
-use super::open::{ModelArguments, read_model};
+use super::open::{ModelArguments, rehearse};
 use super::progress::Bars;
 use super::{Outcome, output, progress};
 use crate::creature::{Creature, Dof, JointSelection, creatures};
+use crate::mujoco::Model;
 use crate::senses::{joint_sensors, posture_in_words};
 use crate::session::skin_for;
 use crate::simulation::{Relation, SelfContact};
@@ -35,7 +36,8 @@ const MOST_PAIRS: usize = 20;
 
 pub fn run(args: &InspectArguments) -> Outcome {
     let spinner = progress::spinner("looking at the model");
-    let (model, left_out) = read_model(&args.model)?;
+    rehearse(&args.model)?;
+    let (model, left_out) = Model::read(&args.model)?;
     let model = Arc::new(model);
     let open = |joints| args.open.source(&args.model, joints).body_in(model.clone());
     let (body, learned) = (open(JointSelection::All)?, open(JointSelection::Default)?);

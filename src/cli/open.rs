@@ -12,7 +12,7 @@ use super::progress::Bars;
 use super::{Failure, Outcome};
 use crate::creature::{Body, DofKind, JointSelection};
 use crate::ground_truth::GroundTruth;
-use crate::model_files::{LeftOut, unreadable_mesh};
+use crate::model_files::unreadable_mesh;
 use crate::mujoco::{Data, Model};
 use crate::session::{self, Embodied, ModelSource, Session, mistaken_for_model, wide_ranges};
 
@@ -60,24 +60,6 @@ pub fn embodied(source: ModelSource) -> Result<Embodied, Failure> {
         tell!("{place}: {note}");
     }
     Ok(embodied)
-}
-
-/// Reads a model and the creature in it, after another process has shown that the engine survives it.
-pub fn open_body(source: &ModelSource) -> Result<Body, Failure> {
-    rehearse(&source.model)?;
-    Ok(source.body(&Bars::default())?)
-}
-
-/// Reads a model and tells what was left out of it, after another process has shown that the engine survives it.
-pub fn read_model(path: &Path) -> Result<(Model, LeftOut), Failure> {
-    rehearse(path)?;
-    Ok(Model::read(path)?)
-}
-
-/// Reads a model with its textures, after another process has shown that the engine survives it.
-pub fn open_to_draw(source: ModelSource) -> Result<Model, Failure> {
-    rehearse(&source.model)?;
-    Ok(ModelSource { textures: true, ..source }.read(&Bars::default())?)
 }
 
 /// A session's creature in its model, or in another that is named; with its textures where they are wanted.

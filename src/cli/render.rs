@@ -5,7 +5,8 @@ mod session;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::open::{ModelArguments, open_to_draw};
+use super::open::{ModelArguments, rehearse};
+use super::progress::Bars;
 use super::{Failure, Outcome, output, progress};
 use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::error::Error;
@@ -175,8 +176,9 @@ fn model(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
 pub fn model_drawing(source: &ModelSource, words: Option<&str>) -> Result<Drawing, Failure> {
     // A missing file is reported as such, before anything else.
     model_hash(&source.model)?;
-    let source = source.clone().with_joints(JointSelection::All);
-    let model = Arc::new(open_to_draw(source.clone())?);
+    rehearse(&source.model)?;
+    let source = ModelSource { joints: JointSelection::All, textures: true, ..source.clone() };
+    let model = Arc::new(source.read(&Bars::default())?);
     let body = match Body::rooted(model.clone(), &source.joints, source.root.as_deref()) {
         // What cannot move can be looked at.
         Err(error) if error.is_no_joints() && words.is_none() => None,

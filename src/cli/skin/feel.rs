@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cli::arguments::positive;
 use crate::cli::folders::{Force, session_folder};
-use crate::cli::open::{ModelArguments, open_body};
+use crate::cli::open::{ModelArguments, rehearse};
+use crate::cli::progress::Bars;
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
 use crate::senses::{Aura, TouchKind, TouchSensor};
@@ -69,7 +70,8 @@ pub struct FeelArguments {
 }
 
 pub fn run(args: &FeelArguments) -> Outcome {
-    let body = open_body(&args.open.source(&args.model, JointSelection::All))?;
+    rehearse(&args.model)?;
+    let body = args.open.source(&args.model, JointSelection::All).body(&Bars::default())?;
     let script = args.script.as_deref().map(Script::read).transpose()?;
     let probes = script.as_ref().map_or_else(|| vec!["probe".to_string()], Script::probes);
     let root = body.root_name().map(str::to_string);

@@ -213,12 +213,8 @@ pub(super) fn joints(input: &ReportInput) -> String {
     )
 }
 
-/// A coordinate with a true minus sign, and no sign before zero.
-fn coordinate(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_string(),
-        Some(positive) => format!("−{positive}"),
-        None => text,
-    }
+/// A coordinate to some digits, with no sign before zero.
+fn coordinate(value: f64, digits: i32) -> String {
+    let scale = 10f64.powi(digits);
+    format!("{:.*}", digits as usize, (value * scale).round() / scale + 0.0)
 }
