@@ -5,7 +5,7 @@ mod results;
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::count;
+use super::arguments::{count, not_negative};
 use super::folders::Force;
 use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
@@ -90,11 +90,28 @@ struct UnknownArguments {
 #[command(next_help_heading = "Noise")]
 struct NoiseArguments {
     /// Standard deviation of encoders, degrees (millimetres of slides), or auto: as much as the touches show
-    #[arg(long, value_name = "DEG|auto", default_value = "0")]
-    joint_noise: String,
+    #[arg(long, value_name = "DEG|auto", default_value = "0", value_parser = joint_noise)]
+    joint_noise: JointNoise,
     /// Whether touches may be false: no, or maybe if the touches show it
-    #[arg(long, value_name = "no|maybe", default_value = "maybe", value_parser = ["no", "maybe"])]
-    false_touches: String,
+    #[arg(long, value_enum, default_value_t)]
+    false_touches: FalseTouches,
+}
+
+/// The deviation of encoders, radians; `None` if the touches are to show it.
+type JointNoise = std::option::Option<f64>;
+
+fn joint_noise(text: &str) -> Result<JointNoise, String> {
+    if text == "auto" {
+        return Ok(None);
+    }
+    not_negative(text).map(|degrees| Some(degrees.to_radians())).map_err(|_| "give degrees, or auto".into())
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Default, PartialEq)]
+enum FalseTouches {
+    No,
+    #[default]
+    Maybe,
 }
 
 /// How it is judged.
@@ -124,7 +141,8 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
         }
     }
     let robot = &file.robot;
-    let options = args.noise.options()?;
+    let NoiseArguments { joint_noise, false_touches } = args.noise;
+    let options = EstimatorOptions { joint_noise, false_touches: false_touches != FalseTouches::No };
     let lock = args.out.as_deref().map(|out| results::folder(out, args.force, &args.robot)).transpose()?;
     let spinner = progress::spinner("calibrating");
     let estimator = Estimator::new(robot, &touches, options);
@@ -211,18 +229,6 @@ impl UnknownArguments {
             robot.set_knowledge(pattern, Knowledge::Known).map_err(|fault| format!("--fix: {fault}"))?;
         }
         Ok(())
-    }
-}
-
-impl NoiseArguments {
-    fn options(&self) -> Result<EstimatorOptions, Failure> {
-        let degrees = self.joint_noise.parse().ok().filter(|degrees: &f64| degrees.is_finite());
-        let joint_noise = match (self.joint_noise.as_str(), degrees) {
-            ("auto", _) => None,
-            (_, Some(degrees)) if degrees >= 0.0 => Some(degrees.to_radians()),
-            (text, _) => return Err(format!("--joint-noise {text}: give degrees, or auto").into()),
-        };
-        Ok(EstimatorOptions { joint_noise, false_touches: self.false_touches != "no" })
     }
 }
 

@@ -63,15 +63,9 @@ pub fn run(args: &MapArguments) -> Outcome {
     }
     let row = |limb: usize| {
         let on = || limbs.iter().zip(&learned.firings).filter(|(on, _)| **on == limb);
-        let of = &by_limb[limb];
-        json!({
-            "limb": creature.limbs()[limb],
-            "receptors": on().count(),
-            "visited": on().filter(|(_, firings)| **firings > 0).count(),
-            "learned": of.learned,
-            "geometric": of.geometric,
-            "shared": of.shared,
-        })
+        let visited = on().filter(|(_, firings)| **firings > 0).count();
+        let on = json!({ "limb": creature.limbs()[limb], "receptors": on().count(), "visited": visited });
+        output::joined(on, [json!(by_limb[limb])])
     };
     let felt = (0..creature.limbs().len()).filter(|limb| limbs.contains(limb));
     let mut found = json!({
@@ -113,12 +107,6 @@ pub fn run(args: &MapArguments) -> Outcome {
 
 /// What is counted of pairs, and the shares.
 fn agreement_json(of: &MapAgreement) -> Value {
-    json!({
-        "learned": of.learned,
-        "geometric": of.geometric,
-        "shared": of.shared,
-        "recall": of.recall(),
-        "precision": of.precision(),
-        "agreement": of.agreement(),
-    })
+    let shares = json!({ "recall": of.recall(), "precision": of.precision(), "agreement": of.agreement() });
+    output::joined(json!(of), [shares])
 }
