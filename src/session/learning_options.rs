@@ -267,6 +267,10 @@ pub struct DisturbanceLevels {
 }
 
 impl DisturbanceLevels {
+    /// Senses that are right.
+    pub(crate) const NONE: DisturbanceLevels =
+        DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
+
     /// The same in radians and metres.
     pub fn disturbances(&self) -> Disturbances {
         Disturbances {

@@ -120,8 +120,7 @@ impl Way {
     }
 }
 
-const EXACT: DisturbanceLevels =
-    DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
+const EXACT: DisturbanceLevels = DisturbanceLevels::NONE;
 const LM: Way = Way { name: "lm", learner: &LevenbergMarquardt, input: Input::Receptor, disturbances: EXACT };
 const BY_CONTACT: Way = Way { input: Input::Contact, ..LM };
 

@@ -35,8 +35,7 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-const NONE: DisturbanceLevels =
-    DisturbanceLevels { joint_noise: 0.0, receptor_noise: 0.0, false_touches: 0.0, point_noise: 0.0 };
+const NONE: DisturbanceLevels = DisturbanceLevels::NONE;
 const LEVELS: [DisturbanceLevels; 11] = [
     NONE,
     DisturbanceLevels { joint_noise: 0.05, ..NONE },

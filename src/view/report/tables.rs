@@ -157,7 +157,7 @@ pub(super) fn limbs(input: &ReportInput) -> String {
     )
 }
 
-/// The table of joints: a row per degree of freedom, the first of which has what is of the joint.
+/// The table of joints: a row per degree of freedom, the first of which has the numbers of the joint.
 pub(super) fn joints(input: &ReportInput) -> String {
     let creature = input.agent.creature();
     let [involved, _] = touches_across(input.agent, input.touches);
@@ -190,7 +190,7 @@ pub(super) fn joints(input: &ReportInput) -> String {
             let numbers = std.into_iter().chain(off).map(error_number);
             let of_dof = std::iter::once(name.to_string()).chain(axis).chain(numbers);
             rows.push(of_joint.iter().cloned().chain(of_dof).collect::<Vec<_>>());
-            of_joint.fill(String::new());
+            of_joint[1..].fill(String::new());
         }
     }
     let titles = [
