@@ -56,12 +56,7 @@ pub struct BabbleArguments {
     force: Force,
     /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
     /// what they would have been. Takes --jobs, --json and --live beside it
-    #[arg(
-        long,
-        value_name = "DIR",
-        conflicts_with_all = ["SessionArguments", "ModelArguments", "LearningArguments", "DisturbanceLevels", "out"],
-        help_heading = "Output"
-    )]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     resume: Option<PathBuf>,
     /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
     /// `bodyschema study merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on

@@ -142,6 +142,18 @@ const RENAMED: [(&str, &str); 8] = [
     ("merge", "study merge"),
 ];
 
+/// What may be given beside `babble --resume`, and itself.
+const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
+
+/// The program. `babble --resume` takes all other options from the session.
+fn program() -> clap::Command {
+    Cli::command().mut_subcommand("babble", |babble| {
+        let ids = babble.get_arguments().map(|argument| argument.get_id().clone());
+        let others: Vec<_> = ids.filter(|id| !BESIDE_RESUME.contains(&id.as_str())).collect();
+        babble.mut_arg("resume", |resume| resume.conflicts_with_all(others))
+    })
+}
+
 /// Runs the program with the process' arguments.
 pub fn run() -> ExitCode {
     match carry_out() {
@@ -165,9 +177,7 @@ fn words() -> Vec<std::ffi::OsString> {
 }
 
 fn carry_out() -> Outcome {
-    let mut program = Cli::command();
-    // Groups and global options are there only then.
-    program.build();
+    let mut program = program();
     let matches = program.try_get_matches_from_mut(words()).unwrap_or_else(|error| {
         let word = error.get(ContextKind::InvalidSubcommand).map(ToString::to_string);
         match RENAMED.iter().find(|(old, _)| word.as_deref() == Some(old)) {
