@@ -1,10 +1,9 @@
 //! Numbers from the command line.
 
-use clap::builder::RangedU64ValueParser;
-
-/// How many of something, at least one.
-pub fn count() -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(1..=100_000_000)
+/// How many of something, from the command line.
+pub fn count(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=100_000_000).contains(number));
+    number.ok_or_else(|| "give a whole number, at least 1 and at most 100000000".into())
 }
 
 /// A number above 0 from the command line.

@@ -85,7 +85,7 @@ pub struct SessionArguments {
     model: PathBuf,
     /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
     /// most]
-    #[arg(long, value_parser = count())]
+    #[arg(long, value_parser = count)]
     touches: Option<usize>,
     /// Stop after this many seconds and keep what has been learned: how much that is depends on what else the computer does
     /// [default: none]

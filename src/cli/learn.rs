@@ -51,7 +51,7 @@ pub struct LearnArguments {
     #[command(flatten)]
     force: Force,
     /// Use only the first touches of the log
-    #[arg(long, value_parser = count())]
+    #[arg(long, value_parser = count)]
     touches: Option<usize>,
     /// Draw the initial guesses from another seed than the session's
     #[arg(long)]

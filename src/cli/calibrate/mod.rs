@@ -122,7 +122,7 @@ struct JudgingArguments {
     #[arg(long, value_name = "SHARE|FILE")]
     held_out: Option<String>,
     /// Divide the log anew so many times, with --held-out SHARE
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count())]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count)]
     splits: usize,
     /// Divide the log into so many parts and hold out each in turn
     #[arg(long, value_name = "K", conflicts_with = "held_out", value_parser = clap::value_parser!(u16).range(2..))]

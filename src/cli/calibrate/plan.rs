@@ -26,10 +26,10 @@ pub struct PlanArguments {
     /// The model: MJCF or URDF with shapes that may touch
     model: PathBuf,
     /// How many touches to choose
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = count())]
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = count)]
     touches: usize,
     /// How many touches to choose from
-    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = count())]
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = count)]
     candidates: usize,
     /// Only touches between these links, with commas between them
     #[arg(long, value_name = "LINKS", value_delimiter = ',')]
