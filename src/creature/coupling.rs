@@ -27,6 +27,12 @@ impl Coupling {
     pub fn follow(&self, leader: f64) -> f64 {
         value(&self.polynomial, leader)
     }
+
+    /// How much the follower's coordinate changes for a unit of the leader's.
+    pub fn rate(&self, leader: f64) -> f64 {
+        let [_, a, b, c, d] = self.polynomial;
+        value(&[a, 2.0 * b, 3.0 * c, 4.0 * d], leader)
+    }
 }
 
 /// Puts the model's joint couplings into its degrees of freedom. `dof_of_joint` says which degree of freedom a

@@ -340,6 +340,16 @@ impl Creature {
         self.joint_of(limb).map(|joint| self.joints()[joint].parent)
     }
 
+    /// Per limb, whether a limb carries it; itself is among them.
+    pub fn carried_by(&self, limb: usize) -> Vec<bool> {
+        let mut carried = vec![false; self.limbs().len()];
+        carried[limb] = true;
+        for (j, joint) in self.joints().iter().enumerate() {
+            carried[j + 1] |= carried[joint.parent];
+        }
+        carried
+    }
+
     /// Whether one of two limbs carries the other, or both are one.
     pub fn neighbouring(&self, a: usize, b: usize) -> bool {
         a == b || self.parent_of(a) == Some(b) || self.parent_of(b) == Some(a)

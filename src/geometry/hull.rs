@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::farthest::FarthestPoint;
+use super::simplex::on_triangle;
 
 /// A vertex this far beyond a triangle's plane, by the hull's size, shows that the triangle is a sliver
 /// whose plane is all rounding: MuJoCo keeps vertices in single precision.
@@ -154,10 +155,8 @@ impl Hull {
         if most <= 0.0 {
             return (most, normal);
         }
-        let nearest_of = |k: usize| {
-            let [a, b, c] = self.triangles()[k].map(|v| self.vertices()[v]);
-            nearest_in_triangle(p, &a, &b, &c)
-        };
+        let nearest_of =
+            |k: usize| p + on_triangle(&self.triangles()[k].map(|v| self.vertices()[v] - p)).point;
         // No face is nearer than its plane, so the search starts where the plane is farthest: mostly it ends
         // there as well.
         let mut nearest = nearest_of(farthest);
@@ -174,42 +173,6 @@ impl Hull {
         }
         (least, (p - nearest).try_normalize(1e-12).unwrap_or(normal))
     }
-}
-
-/// The nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
-fn nearest_in_triangle(
-    p: &Vector3<f64>,
-    a: &Vector3<f64>,
-    b: &Vector3<f64>,
-    c: &Vector3<f64>,
-) -> Vector3<f64> {
-    let (ab, ac) = (b - a, c - a);
-    let (ap, bp, cp) = (p - a, p - b, p - c);
-    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return *a;
-    }
-    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return *b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return *c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc))
 }
 
 #[cfg(test)]

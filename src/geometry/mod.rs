@@ -29,5 +29,5 @@ pub(crate) use gap::{distance_by_support, gap_by_support};
 pub use gjk::Precision;
 pub use hull::Hull;
 pub use outline::ConvexOutline;
-pub use samples::SurfaceSample;
+pub use samples::{SurfaceSample, directions};
 pub use shape::Shape;

@@ -26,19 +26,25 @@ impl Shape {
     }
 }
 
+/// The angle from a point of a spiral over a sphere to the next, of which no fraction comes near a whole turn, radians.
+fn golden() -> f64 {
+    PI * (3.0 - 5f64.sqrt())
+}
+
+/// Unit vectors spread evenly over the sphere, along a spiral of golden angles.
+pub fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
+    (0..count).map(move |k| {
+        let z = 1.0 - (2 * k + 1) as f64 / count as f64;
+        let (sin, cos) = (golden() * k as f64).sin_cos();
+        let ring = (1.0 - z * z).sqrt();
+        Vector3::new(ring * cos, ring * sin, z)
+    })
+}
+
 fn samples(shape: &Shape, spacing: f64) -> Vec<SurfaceSample> {
-    let golden = PI * (3.0 - 5f64.sqrt());
     let count = ((shape.area() / spacing).ceil() as usize).max(24);
     match *shape {
-        Shape::Sphere { radius } => {
-            let point = |k: usize| {
-                let z = 1.0 - (2 * k + 1) as f64 / count as f64;
-                let ring = (1.0 - z * z).sqrt();
-                let angle = golden * k as f64;
-                Vector3::new(ring * angle.cos(), ring * angle.sin(), z)
-            };
-            (0..count).map(|k| (point(k) * radius, point(k))).collect()
-        }
+        Shape::Sphere { radius } => directions(count).map(|normal| (normal * radius, normal)).collect(),
         Shape::Capsule { radius, half_length } => {
             // Archimedes: a sphere's area is spread evenly along z, and so is a cylinder's.
             let height = 2.0 * (radius + half_length);
@@ -47,7 +53,7 @@ fn samples(shape: &Shape, spacing: f64) -> Vec<SurfaceSample> {
                 let core = z.clamp(-half_length, half_length);
                 let up = (z - core) / radius;
                 let ring = (1.0 - up * up).max(0.0).sqrt();
-                let angle = golden * k as f64;
+                let angle = golden() * k as f64;
                 let normal = Vector3::new(ring * angle.cos(), ring * angle.sin(), up);
                 (normal * radius + Vector3::z() * core, normal)
             };

@@ -3,7 +3,7 @@
 //! All that it knows of its body is an [`OwnBody`]; all that it knows of the world it has felt. By its handle it has
 //! its joint angles, its sense of balance, and what its receptors feel.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::VecDeque;
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -336,7 +336,7 @@ impl Actor {
         speed: f64,
         heeded: impl Fn(&Actor, &SkinContact) -> bool,
     ) -> Result<Stop> {
-        let mut parting: Option<BTreeSet<_>> = None;
+        let mut parting: Option<Vec<SkinContact>> = None;
         let step = self.handle.timestep();
         let tips = self.hands.iter().map(|hand| hand.tip).chain(self.stick_tip());
         let places: Vec<Place> = tips.map(|tip| self.own.place(tip)).collect();
@@ -358,15 +358,12 @@ impl Actor {
                 if self.trail.len() > TRAIL {
                     self.trail.pop_front();
                 }
-                let present: BTreeSet<_> = felt.iter().map(SkinContact::parties).collect();
                 // What touches at the start is being left; once it is left it counts anew.
-                let left = match &parting {
-                    None => present.clone(),
-                    Some(before) => before.intersection(&present).copied().collect(),
-                };
+                let left = parting.get_or_insert_with(|| felt.clone());
+                left.retain(|before| felt.iter().any(|now| now.has_parties_of(before)));
+                let is_left = |now: &SkinContact| left.iter().any(|before| before.has_parties_of(now));
                 let news: Vec<SkinContact> =
-                    felt.into_iter().filter(|f| !left.contains(&f.parties()) && heeded(self, f)).collect();
-                parting = Some(left);
+                    felt.iter().copied().filter(|now| !is_left(now) && heeded(self, now)).collect();
                 if !news.is_empty() {
                     self.heed_own_touch(&news);
                     return Ok(Stop::Felt(news));

@@ -126,26 +126,6 @@ pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) ->
     frames
 }
 
-/// Of each hinge and slide its joint and its axis in the root limb's frame, at `posture`, where the limbs are at
-/// `frames`.
-pub fn axis_directions(
-    creature: &Creature,
-    schema: &BodySchema,
-    posture: &[f64],
-    frames: &[Frame],
-) -> Vec<(usize, Vector3<f64>)> {
-    let mut found = Vec::new();
-    for (j, joint) in creature.joints().iter().enumerate() {
-        let mut frame = frames[joint.parent];
-        carry_through(schema, j, joint_transforms(joint, posture), &mut frame, |k, transform, before| {
-            if !matches!(transform, DofTransform::Ball { .. }) {
-                found.push((j, before.direction(&schema.axes[k])));
-            }
-        });
-    }
-    found
-}
-
 /// A limb's pose and motion in the root limb's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct LimbMotion {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, Vector3};
 
 use super::forward::{carry_through, joint_transforms, limb_frames};
-use crate::creature::{Creature, DofKind, Posture, turn_ball};
+use crate::creature::{Coupling, Creature, DofKind, Posture, turn_ball};
 use crate::geometry::Frame;
 use crate::schema::BodySchema;
 
@@ -88,16 +88,7 @@ impl<'a> Freedoms<'a> {
                 list.extend((0..parts).map(|part| Freedom { part, ..freedom.clone() }));
             }
         }
-        let limbs = creature.limbs().len();
-        let carried_by = |limb: usize| {
-            let mut carried = vec![false; limbs];
-            carried[limb] = true;
-            for (j, joint) in creature.joints().iter().enumerate() {
-                carried[j + 1] |= carried[joint.parent];
-            }
-            carried
-        };
-        let carries = (0..limbs).map(carried_by).collect();
+        let carries = (0..creature.limbs().len()).map(|limb| creature.carried_by(limb)).collect();
         Freedoms { creature, schema, list, carries }
     }
 
@@ -179,12 +170,8 @@ impl<'a> Freedoms<'a> {
                 }
             };
             let following = freedom.followers.iter().map(|&axis| {
-                let rate = coordinates[axis].follows.map_or(0.0, |coupling| {
-                    let [_, a, b, c, d] = coupling.polynomial;
-                    let x = posture[freedom.coordinate];
-                    a + x * (2.0 * b + x * (3.0 * c + x * 4.0 * d))
-                });
-                screw(axis, rate)
+                let rate = |coupling: Coupling| coupling.rate(posture[freedom.coordinate]);
+                screw(axis, coordinates[axis].follows.map_or(0.0, rate))
             });
             std::iter::once(screw(freedom.axis, 1.0)).chain(following).collect()
         });
@@ -193,6 +180,11 @@ impl<'a> Freedoms<'a> {
 }
 
 impl FreeMotions {
+    /// The axis of a freedom, in the root's frame.
+    pub fn axis(&self, freedom: usize) -> Vector3<f64> {
+        self.screws[freedom][0].axis
+    }
+
     /// What moves a limb: freedom and screw.
     fn moving(&self, limb: usize) -> impl Iterator<Item = (usize, &Screw)> {
         self.screws

@@ -273,8 +273,7 @@ impl PlaceChain {
         // What follows moves the places on behalf of its leader.
         for c in 0..columns.len() {
             let Some((leader, coupling)) = &self.links[columns[c].link].follows else { continue };
-            let [less, more] = [-1e-6, 1e-6].map(|h| coupling.follow(q[*leader] + h));
-            let rate = (more - less) / 2e-6;
+            let rate = coupling.rate(q[*leader]);
             let Column { moves, turns, .. } = columns[c];
             (columns[c].moves, columns[c].turns) = (Vector3::zeros(), Vector3::zeros());
             if let Some(led) = columns.iter_mut().find(|led| self.links[led.link].at == *leader) {

@@ -1,7 +1,5 @@
 //! How far the body's surfaces are from each other and from what is known to be there, by the schema.
 
-use std::collections::BTreeSet;
-
 use nalgebra::{Matrix3, Vector3};
 
 use super::obstacle::Obstacle;
@@ -52,18 +50,33 @@ impl LimbPieces {
         self.bounds[limb].is_some()
     }
 
-    /// The exact gap of two limbs at `frames` where it is below a limit, metres; no less than that elsewhere.
-    pub fn gap(&self, frames: &[Frame], [a, b]: [usize; 2], below: f64) -> f64 {
-        let apart = self.ball_gap(frames, [a, b]);
-        if apart > below {
-            return apart;
-        }
-        let pairs = self.of[a].iter().flat_map(|p| self.of[b].iter().map(move |q| (p, q)));
-        let gaps = pairs.map(|(p, q)| match p.ball_gap(&frames[a], q, &frames[b]) {
-            apart if apart > below => apart,
-            _ => gap(&p.placed(&frames[a]), &q.placed(&frames[b]), Precision::Exact).distance,
-        });
-        gaps.fold(f64::INFINITY, f64::min)
+    /// All pairs of pieces of two limbs.
+    fn pairs(&self, [a, b]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let [a, b] = [a, b].map(|limb| self.of[limb].len());
+        (0..a).flat_map(move |i| (0..b).map(move |j| [i, j]))
+    }
+
+    /// The exact gap of two limbs at `frames` where it is below a limit, metres; infinite elsewhere.
+    pub fn gap(&self, frames: &[Frame], limbs: [usize; 2], below: f64) -> f64 {
+        let near = self.near(frames, limbs, self.pairs(limbs), below);
+        near.map(|[p, q]| gap(&p, &q, Precision::Exact).distance).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Those of some pairs of pieces of two limbs that may be nearer to each other than `below`, metres, where the limbs are
+    /// at `frames` in the root's frame.
+    fn near<'a>(
+        &'a self,
+        frames: &'a [Frame],
+        [a, b]: [usize; 2],
+        pairs: impl Iterator<Item = [usize; 2]> + 'a,
+        below: f64,
+    ) -> impl Iterator<Item = [PlacedShape<'a>; 2]> {
+        let apart = self.ball_gap(frames, [a, b]) > below;
+        pairs.filter(move |_| !apart).filter_map(move |[i, j]| {
+            let (p, q) = (&self.of[a][i], &self.of[b][j]);
+            let near = p.ball_gap(&frames[a], q, &frames[b]) <= below;
+            near.then(|| [p.placed(&frames[a]), q.placed(&frames[b])])
+        })
     }
 
     /// The gap between the balls about two limbs, metres.
@@ -118,10 +131,10 @@ impl CollisionChecker {
         let pieces = LimbPieces::new(own.agent());
         let limbs = own.creature().limbs().len();
         let all = (0..limbs).flat_map(|a| (a + 1..limbs).map(move |b| [a, b]));
-        let pairs = all.filter(|&[a, b]| !own.creature().neighbouring(a, b)).map(|limbs| {
-            let [a, b] = limbs.map(|limb| pieces.of[limb].len());
-            let pieces = (0..a).flat_map(|i| (0..b).map(move |j| [i, j])).collect();
-            GuardedPair { limbs, pieces, eased: f64::INFINITY }
+        let pairs = all.filter(|&[a, b]| !own.creature().neighbouring(a, b)).map(|limbs| GuardedPair {
+            limbs,
+            pieces: pieces.pairs(limbs).collect(),
+            eased: f64::INFINITY,
         });
         let mut pairs: Vec<GuardedPair> = pairs.collect();
         let at_ease = own.at_ease();
@@ -163,12 +176,11 @@ impl CollisionChecker {
         (others, at)
     }
 
-    /// The same where a limb may be met by some others.
-    pub fn but_between(&self, limb: usize, others: &BTreeSet<usize>) -> CollisionChecker {
+    /// The same where some limbs may meet some others.
+    pub fn but_between(&self, limbs: &[usize], others: &[usize]) -> CollisionChecker {
         let mut rest = self.clone();
-        rest.pairs.retain(|GuardedPair { limbs: [a, b], .. }| {
-            !(*a == limb && others.contains(b) || *b == limb && others.contains(a))
-        });
+        let meet = |a: &usize, b: &usize| limbs.contains(a) && others.contains(b);
+        rest.pairs.retain(|GuardedPair { limbs: [a, b], .. }| !(meet(a, b) || meet(b, a)));
         rest
     }
 
@@ -245,21 +257,14 @@ impl CollisionChecker {
         eased
     }
 
-    /// The pieces of two limbs that may be nearer to each other than `below`, metres, where the limbs are at `frames` in the
-    /// root's frame.
+    /// The pieces of two limbs that feel each other and may be nearer than `below`, metres.
     fn pieces_of<'a>(
         &'a self,
         frames: &'a [Frame],
         pair: &'a GuardedPair,
         below: f64,
     ) -> impl Iterator<Item = [PlacedShape<'a>; 2]> {
-        let [a, b] = pair.limbs;
-        let apart = self.pieces.ball_gap(frames, pair.limbs) > below;
-        pair.pieces.iter().filter(move |_| !apart).filter_map(move |&[i, j]| {
-            let (p, q) = (&self.pieces.of[a][i], &self.pieces.of[b][j]);
-            let near = p.ball_gap(&frames[a], q, &frames[b]) <= below;
-            near.then(|| [p.placed(&frames[a]), q.placed(&frames[b])])
-        })
+        self.pieces.near(frames, pair.limbs, pair.pieces.iter().copied(), below)
     }
 
     /// The pieces of a limb that may be nearer to something than `below`, metres, given how near it is at the least to what
@@ -349,11 +354,7 @@ impl CollisionChecker {
 
     /// The least gap anywhere, up to `below`, metres.
     pub fn least(&self, frames: &[Frame], below: f64) -> f64 {
-        let own = self.pairs.iter().map(|pair| self.between(frames, pair, below));
-        let others = self.exposed().flat_map(|limb| {
-            self.obstacles.iter().map(move |obstacle| self.to_obstacle(frames, limb, obstacle, below))
-        });
-        own.chain(others).fold(below, f64::min)
+        self.near(frames, below).iter().map(|near| near.gap.distance).fold(below, f64::min)
     }
 
     /// Where anything is nearer to something else than `below`, metres: all places of pieces that may become the nearest of
@@ -384,14 +385,9 @@ impl CollisionChecker {
 
     /// Whether all gaps are at least `margin`.
     pub fn free(&self, frames: &[Frame], margin: f64) -> bool {
-        self.free_but(frames, margin, &[])
-    }
-
-    /// The same, but for some pairs of limbs that are to meet.
-    pub fn free_but(&self, frames: &[Frame], margin: f64, but: &[[usize; 2]]) -> bool {
         let parted = |pair: &GuardedPair| {
-            let ([a, b], margin) = (pair.limbs, margin.min(pair.eased));
-            but.contains(&[a, b]) || but.contains(&[b, a]) || self.between(frames, pair, margin) >= margin
+            let margin = margin.min(pair.eased);
+            self.between(frames, pair, margin) >= margin
         };
         let clear = |limb: usize| {
             self.obstacles.iter().enumerate().all(|(k, obstacle)| {

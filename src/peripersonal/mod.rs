@@ -42,7 +42,7 @@ mod velocity;
 
 pub use collision::{CollisionChecker, LimbPieces, Nearness};
 pub use farthest::farthest_postures;
-pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate, directions};
+pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate};
 pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};

@@ -77,18 +77,15 @@ impl Obstacle {
                 })
             }
             Obstacle::Table { up, height, front, edge } => {
-                let lowest = match body.as_capsule() {
-                    Some(capsule) => lowest_over(&capsule, up, front, *edge),
-                    None => (body.support(front).dot(front) > *edge).then(|| body.support(&-up)),
-                }?;
+                let (_, radius, over) = reach_over(body, up, front, *edge);
+                let points = over.into_iter().map(|(point, _)| point - up * radius);
+                let lowest = points.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)))?;
                 let distance = lowest.dot(up) - height;
                 Some(Gap { distance, normal: *up, points: [lowest, lowest - up * distance] })
             }
         }
     }
-}
 
-impl Obstacle {
     /// The places at which a body may come closest, each with the greatest margin that is asked there: of a table its lowest
     /// ones over it, or those that reach over the edge where it takes less to draw them back behind that.
     pub(super) fn near(&self, body: &dyn ConvexBody) -> Vec<(Gap, f64)> {
@@ -98,31 +95,15 @@ impl Obstacle {
                 gap.map(|gap| (gap, f64::INFINITY)).into_iter().collect()
             }
             Obstacle::Table { up, height, front, edge } => {
-                let (ends, radius) = match body.as_capsule() {
-                    Some(Capsule { ends, radius }) => (ends.to_vec(), radius),
-                    None => (vec![body.support(front), body.support(&-up)], 0.0),
-                };
-                let is_capsule = body.as_capsule().is_some();
-                let behind = ends.iter().map(|&point| {
-                    let distance = edge - point.dot(front) - radius;
-                    Gap { distance, normal: -front, points: [point; 2] }
-                });
-                let behind: Vec<Gap> = behind.collect();
-                let mut lowest: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
-                if is_capsule {
-                    let over = |k: usize| behind[k].distance <= 0.0;
-                    lowest.extend((0..2).filter(|&k| over(k)).map(|k| (ends[k], *up)));
-                    if over(0) != over(1) {
-                        lowest.push(cut(&ends, [behind[0].distance, behind[1].distance], up, front));
-                    }
-                } else if behind[0].distance <= 0.0 {
-                    lowest.push((ends[1], *up));
-                }
-                let above = lowest.into_iter().map(|(point, normal)| Gap {
-                    distance: point.dot(up) - radius - height,
+                let (ends, radius, over) = reach_over(body, up, front, *edge);
+                let place = |point: Vector3<f64>, normal: Vector3<f64>, distance: f64| Gap {
+                    distance: distance - radius,
                     normal,
                     points: [point; 2],
-                });
+                };
+                let behind = ends.map(|point| place(point, -front, edge - point.dot(front))).to_vec();
+                let above =
+                    over.into_iter().map(|(point, normal)| place(point, normal, point.dot(up) - height));
                 let above: Vec<Gap> = above.collect();
                 let least =
                     |places: &[Gap]| places.iter().map(|place| place.distance).fold(f64::INFINITY, f64::min);
@@ -136,37 +117,26 @@ impl Obstacle {
     }
 }
 
-/// Where the edge of a table cuts a segment, by how far its ends are behind the edge, and how the height there changes as
-/// the segment moves: the cut goes along it.
-fn cut(
-    ends: &[Vector3<f64>],
-    behind: [f64; 2],
-    up: &Vector3<f64>,
-    front: &Vector3<f64>,
-) -> (Vector3<f64>, Vector3<f64>) {
-    let along = ends[1] - ends[0];
-    let point = ends[0] + along * (behind[0] / (behind[0] - behind[1]));
-    (point, up - front * (along.dot(up) / along.dot(front)))
-}
-
-/// The lowest point, along `up`, of the part of a capsule that may be beyond the edge of a table.
-fn lowest_over(
-    capsule: &Capsule,
+/// What of a body reaches over the edge of a table: the ends of its segment if it is a capsule, or else the points farthest
+/// to the front and down; its radius; and the points that may be the lowest of those beyond the edge, each with how the height
+/// there changes as the body moves: where the edge cuts a segment, the cut goes along it.
+fn reach_over(
+    body: &dyn ConvexBody,
     up: &Vector3<f64>,
     front: &Vector3<f64>,
     edge: f64,
-) -> Option<Vector3<f64>> {
-    let Capsule { ends, radius } = capsule;
-    let beyond = ends.map(|end| end.dot(front) - (edge - radius));
-    if beyond[0].max(beyond[1]) <= 0.0 {
-        return None;
-    }
-    // The part of the segment that is over the table ends where it crosses the edge.
-    let crossing = |from: usize, to: usize| {
-        let share = beyond[from] / (beyond[from] - beyond[to]);
-        ends[from] + (ends[to] - ends[from]) * share
+) -> ([Vector3<f64>; 2], f64, Vec<(Vector3<f64>, Vector3<f64>)>) {
+    let Some(Capsule { ends, radius }) = body.as_capsule() else {
+        let ends = [body.support(front), body.support(&-up)];
+        let over = if ends[0].dot(front) > edge { vec![(ends[1], *up)] } else { Vec::new() };
+        return (ends, 0.0, over);
     };
-    let inside = [0, 1].map(|k| if beyond[k] >= 0.0 { ends[k] } else { crossing(1 - k, k) });
-    let lowest = if inside[0].dot(up) < inside[1].dot(up) { inside[0] } else { inside[1] };
-    Some(lowest - up * *radius)
+    let beyond = ends.map(|end| end.dot(front) - (edge - radius));
+    let mut over: Vec<_> = (0..2).filter(|&k| beyond[k] >= 0.0).map(|k| (ends[k], *up)).collect();
+    if over.len() == 1 {
+        let along = ends[1] - ends[0];
+        let point = ends[0] + along * (beyond[0] / (beyond[0] - beyond[1]));
+        over.push((point, up - front * (along.dot(up) / along.dot(front))));
+    }
+    (ends, radius, over)
 }

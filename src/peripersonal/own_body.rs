@@ -245,12 +245,7 @@ impl OwnBody {
 
     /// The limbs that one limb carries, itself among them.
     pub fn carried_by(&self, limb: usize) -> Vec<bool> {
-        let mut carried = vec![false; self.creature().limbs().len()];
-        carried[limb] = true;
-        for (j, joint) in self.creature().joints().iter().enumerate() {
-            carried[j + 1] |= carried[joint.parent];
-        }
-        carried
+        self.creature().carried_by(limb)
     }
 
     /// The limbs that move with some joints.

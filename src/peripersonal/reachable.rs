@@ -64,7 +64,7 @@ pub struct Whereabouts {
     pub level: Level,
     /// How far it is from the nearest voxel that can be reached, metres: 0 where it can.
     pub beyond: f64,
-    /// A posture with the tip in its voxel, or in that nearest one.
+    /// A posture of the whole body with the tip in its voxel, or in that nearest one.
     pub posture: Posture,
 }
 
@@ -271,14 +271,6 @@ impl ReachableMap {
         self.level_of(self.reached.lattice.cell(point))
     }
 
-    /// How far a point in the map's frame is from the nearest voxel that can be reached, metres: 0 where it can.
-    pub fn beyond(&self, point: &Vector3<f64>) -> f64 {
-        if self.level(point) != Level::OutOfReach {
-            return 0.0;
-        }
-        self.nearest(point).map_or(f64::INFINITY, |(_, distance)| distance)
-    }
-
     /// All that the map tells of a point in its frame.
     pub fn whereabouts(&self, point: &Vector3<f64>) -> Whereabouts {
         let cell = self.reached.lattice.cell(point);
@@ -291,12 +283,6 @@ impl ReachableMap {
             self.chains[1].put_into(coordinates, &mut posture);
         }
         Whereabouts { level, beyond, posture }
-    }
-
-    /// A posture of the whole body with the tip in the voxel of a point in the map's frame; where none can be, in the
-    /// nearest voxel to it.
-    pub fn posture_near(&self, point: &Vector3<f64>) -> Posture {
-        self.whereabouts(point).posture
     }
 
     /// Seeks postures that reach a point in the map's frame: from those of the voxels about it, by the arm alone, and where

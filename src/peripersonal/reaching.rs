@@ -1,7 +1,5 @@
 //! Reaching: a posture in which skin touches a place in space, and a way there that keeps clear until the last.
 
-use std::collections::BTreeSet;
-
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -207,9 +205,8 @@ impl<'a> Reaching<'a> {
         // What is to be touched is in the way of all but the limbs that are to touch it.
         let (mut others, target) = clearance.but_at(&aim.point, 1e-3);
         if let Some(limb) = self.meeting {
-            let touching: BTreeSet<usize> =
-                receptors.iter().map(|&r| self.own.skin().receptors[r].limb).collect();
-            others = others.but_between(limb, &touching);
+            let touching: Vec<usize> = receptors.iter().map(|&r| self.own.skin().receptors[r].limb).collect();
+            others = others.but_between(&[limb], &touching);
         }
         let others = others.eased_at(&[self.own.frames(from)], MARGIN);
         let moved = self.own.moved_by(&self.joints);

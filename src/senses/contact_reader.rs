@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::{SkinContact, SkinSpot, Toucher};
+use super::{Met, SkinContact, SkinSpot, Toucher};
 use crate::creature::{Body, site_name};
 use crate::mujoco::{Contact, Data, ObjectKind, SensorKind};
 use crate::skin::Skin;
@@ -14,20 +14,11 @@ use crate::skin::Skin;
 /// Contacts weaker than this are not felt, newtons.
 pub const FAINT: f64 = 1e-3;
 
-/// A place of a contact on the skin, as the engine computes it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SkinPlace {
-    /// The receptor that feels it.
-    pub receptor: usize,
-    /// The exact point in the frame of the receptor's limb, metres.
-    pub point: Vector3<f64>,
-}
-
 /// What a contact is to the agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
-    /// Skin met skin: two places, the one on the earlier limb first.
-    Touch([SkinPlace; 2]),
+    /// Skin met skin.
+    Touch(Met),
     /// At least one side has no receptor there.
     Bare,
     /// The two limbs carry one another, or are one.
@@ -71,11 +62,11 @@ impl ContactReader {
         let place = |side: usize| {
             let side = Side::new(body, data, contact, side)?;
             let receptor = self.nearest(skin, &side)?;
-            Some(SkinPlace { receptor, point: side.point })
+            Some((receptor, side.point))
         };
         match [place(0), place(1)] {
-            [Some(first), Some(second)] if a <= b => Reading::Touch([first, second]),
-            [Some(first), Some(second)] => Reading::Touch([second, first]),
+            [Some(first), Some(second)] if a <= b => Reading::Touch(Met::at([first, second])),
+            [Some(first), Some(second)] => Reading::Touch(Met::at([second, first])),
             _ => Reading::Bare,
         }
     }

@@ -83,7 +83,7 @@ impl FollowedTouch {
             began: self.began,
             ended: self.last,
             kind,
-            by: self.heads[0].by.party(),
+            by: self.heads[0].by,
             sides: self.trails.iter().map(|trail| trail.side(skin, duration)).collect(),
             peak_force: self.peak,
             mean_force: self.sum / self.steps as f64,

@@ -94,7 +94,7 @@ impl MappedSkin {
         let worst = spots.try_fold(Following::Same, |worst, (before, after)| {
             Some(worst.max(self.following_of(before.receptor, after.receptor)?))
         });
-        worst.filter(|_| before.by.party() == after.by.party())
+        worst.filter(|_| before.by.is_party_of(&after.by))
     }
 
     /// Whether contacts are of one party on the same or neighbouring receptors.

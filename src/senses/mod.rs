@@ -2,7 +2,7 @@
 //!
 //! "Something was felt" has these levels, each made of the one before:
 //! - [`Reading`]: what one contact of the engine is, two places of skin, or bare, or foreign.
-//! - [`SkinContact`]: which receptors fire in one step ([`SkinSpot`]) and by whom ([`Toucher`], [`Party`]).
+//! - [`SkinContact`]: which receptors fire in one step ([`SkinSpot`]) and by whom ([`Toucher`]).
 //! - [`TouchEvent`]: that something begins to touch, and afterwards the [`Sensation`] that it was, limb by limb.
 //! - [`Firing`]: of all that, only which receptor fired and when.
 //! - [`Touch`]: a self-touch that a motion ended in, with the posture and its two [`TouchEnd`]s: what is learned from.
@@ -29,14 +29,14 @@ mod touch_trail;
 
 pub use aura::{Approach, Aura, AuraEvent};
 pub use balance::Balance;
-pub use contact_reader::{ContactReader, FAINT, Reading, SkinPlace};
+pub use contact_reader::{ContactReader, FAINT, Reading};
 pub use disturbance::{Disturbances, DisturbedSenses};
 pub use firing::{Firing, FiringRecorder};
 pub use learned_map::{LearnedMap, learn_map};
 pub use proprioception::{JointSensor, Proprioception, joint_sensors, posture_in_words};
-pub use recorded_touch::{ExactContact, RecordedTouch};
+pub use recorded_touch::{ExactContact, Met, RecordedTouch};
 pub use sensation::{LimbSensation, Sensation, SensationSide, TouchEvent, TouchKind};
 pub use sense::{NewSense, SENSES, Sense, SensedStep, SensingBody};
-pub use skin_contact::{Party, SkinContact, SkinSpot, Toucher};
+pub use skin_contact::{SkinContact, SkinSpot, Toucher};
 pub use touch::{FeltPoint, Input, Moment, Touch, TouchEnd, limb_pairs};
 pub use touch_sensor::TouchSensor;

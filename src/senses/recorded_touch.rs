@@ -18,6 +18,24 @@ pub struct ExactContact {
     pub depth: Option<f64>,
 }
 
+/// Skin that met skin: two receptors, and the exact contact, which only a record of the touch takes in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// The receptors, the one on the earlier limb first.
+    pub receptors: [usize; 2],
+    /// The exact contact.
+    pub exact_contact: ExactContact,
+}
+
+impl Met {
+    /// Receptors that met, each at a point of its limb, without forces.
+    pub(super) fn at(places: [(usize, Vector3<f64>); 2]) -> Met {
+        let points = places.map(|(_, point)| point);
+        let exact_contact = ExactContact { points, ..ExactContact::default() };
+        Met { receptors: places.map(|(receptor, _)| receptor), exact_contact }
+    }
+}
+
 /// A touch of the receptors alone, beside the exact contact that it was.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedTouch {

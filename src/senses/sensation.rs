@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::Serialize;
 
-use super::{Party, SkinContact};
+use super::{SkinContact, Toucher};
 use crate::named::named;
 
 /// What kind of touch it was.
@@ -65,8 +65,8 @@ pub struct Sensation {
     pub ended: f64,
     /// What kind of touch it was.
     pub kind: TouchKind,
-    /// Who touched.
-    pub by: Party,
+    /// Who touched; of a self-touch, with which place of its own last.
+    pub by: Toucher,
     /// One side, or the two of a self-touch.
     pub sides: Vec<SensationSide>,
     /// Greatest normal force, newtons.

@@ -20,35 +20,18 @@ pub enum Toucher {
     Through(usize),
 }
 
-/// Who touches: what touches the skin, wherever it is touched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Party {
-    /// The creature itself.
-    Own,
-    /// A thing, told from others by a number.
-    Thing(usize),
-    /// A thing that a held one meets.
-    Through(usize),
-}
-
-impl Party {
-    /// The number of the thing; none where the creature touches itself.
-    pub fn thing(self) -> Option<usize> {
-        match self {
-            Party::Own => None,
-            Party::Thing(thing) | Party::Through(thing) => Some(thing),
+impl Toucher {
+    /// The number of the thing; `None` if the creature touches itself.
+    pub fn thing(&self) -> Option<usize> {
+        match *self {
+            Toucher::Own(_) => None,
+            Toucher::Thing(thing) | Toucher::Through(thing) => Some(thing),
         }
     }
-}
 
-impl Toucher {
-    /// Who it is.
-    pub fn party(&self) -> Party {
-        match *self {
-            Toucher::Own(_) => Party::Own,
-            Toucher::Thing(thing) => Party::Thing(thing),
-            Toucher::Through(thing) => Party::Through(thing),
-        }
+    /// Whether it is the same party as another, wherever on the skin: the creature itself, or one thing in one way.
+    pub fn is_party_of(&self, other: &Toucher) -> bool {
+        self == other || self.own().and(other.own()).is_some()
     }
 
     /// The place of the creature's skin that touches, where it touches itself.
@@ -78,9 +61,10 @@ impl SkinContact {
         std::iter::once(self.spot).chain(self.by.own())
     }
 
-    /// Who touches which limb, and with which of its own in a self-touch.
-    pub fn parties(&self) -> (usize, Party, Option<usize>) {
-        (self.spot.limb, self.by.party(), self.by.own().map(|spot| spot.limb))
+    /// Whether the same party touches the same limb as in another, and with the same of its own in a self-touch.
+    pub fn has_parties_of(&self, other: &SkinContact) -> bool {
+        self.by.is_party_of(&other.by)
+            && self.spots().map(|spot| spot.limb).eq(other.spots().map(|spot| spot.limb))
     }
 
     /// Contacts of one party as one: that which presses most, of several the first, with the sum of their forces.

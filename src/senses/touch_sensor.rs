@@ -119,7 +119,7 @@ impl TouchSensor {
             Toucher::Own(own) if own.limb < contact.spot.limb => contact.turned(),
             _ => *contact,
         });
-        let is_one = |a: &SkinContact, b: &SkinContact| a.parties() == b.parties() && self.skin.adjoin(a, b);
+        let is_one = |a: &SkinContact, b: &SkinContact| a.has_parties_of(b) && self.skin.adjoin(a, b);
         joined(heads.collect(), is_one).iter().map(|patch| SkinContact::fused(patch)).collect()
     }
 }

@@ -314,10 +314,13 @@ impl ConservativeAdvancement {
             return (plain.max(until_zero(apart, opening, self.pairs[k].acceleration)), None);
         }
         pair.clusters().into_iter().for_each(|cluster| self.place_cluster(cluster));
-        match self.start_contact {
-            Some(contact) if contact.pair == k => self.look_at_contact(&contact),
-            _ => self.look_at_geoms(k, rest),
+        let found = self.look_at_geoms(k, rest);
+        let has_parted =
+            |contact: &Encounter| contact.pair == k && self.bounds_gap(contact.bounds).distance > PARTED;
+        if self.start_contact.as_ref().is_some_and(has_parted) {
+            self.start_contact = None;
         }
+        found
     }
 
     /// [`look`](Self::look) at the geoms of limb pair `k`.
@@ -359,41 +362,6 @@ impl ConservativeAdvancement {
         let Some(number) = limiting else { return (f64::INFINITY, None) };
         self.pairs[k].limiting = number as u32;
         (least, encounter)
-    }
-
-    /// [`look`](Self::look) at the geoms of the limb pair that the motion starts in contact with, whether these have
-    /// parted or not.
-    fn look_at_contact(&mut self, contact: &Encounter) -> (f64, Option<Encounter>) {
-        let k = contact.pair;
-        let pair = self.touchable.pairs[k];
-        let motion = self.pair_motion(&pair);
-        let mut least = f64::INFINITY;
-        let mut limiting = None;
-        let mut parted = false;
-        let mut planes = std::mem::take(&mut self.planes);
-        for (number, &bounds) in self.touchable.geoms[pair.geoms()].iter().enumerate() {
-            // Even at full speed it comes later than what is known already?
-            let beyond = least * self.pairs[k].speed;
-            let [first, second] = bounds.map(|bound| &self.balls[bound as usize]);
-            if (first.centre - second.centre).norm() - first.radius - second.radius > beyond {
-                continue;
-            }
-            let gap = self.bounds_gap(bounds);
-            if gap.distance > beyond {
-                continue;
-            }
-            parted |= contact.bounds == bounds && gap.distance > PARTED;
-            let plane = &mut planes[pair.geoms().start + number];
-            let advance = self.advance_of(k, &motion, bounds, &gap, plane, least);
-            if advance < least {
-                (least, limiting) = (advance, Some(bounds));
-            }
-        }
-        self.planes = planes;
-        if parted {
-            self.start_contact = None;
-        }
-        (least, limiting.map(|bounds| self.touchable.encounter_of(k, bounds)))
     }
 
     /// How far the motion may advance before two geoms of limb pair `k` can meet, given the gap of those about them and the

@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-use crate::senses::{Approach, AuraEvent, Party, SensationSide, TouchEvent};
+use crate::senses::{Approach, AuraEvent, SensationSide, TouchEvent};
 use crate::simulation::Stage;
 
 /// The object of a touch: `began` as something begins to touch, `sensed` as soon as it is understood. Both carry the same
@@ -17,7 +17,7 @@ pub fn event_json(stage: &Stage, time: f64, event: &TouchEvent) -> Value {
                 on_limb(stage, spot.limb, json!({"receptor": id(spot.receptor), "point": point}))
             });
             let places: Vec<Value> = places.collect();
-            (number, contact.by.party(), json!({"event": "began", "force": contact.force, "places": places}))
+            (number, contact.by, json!({"event": "began", "force": contact.force, "places": places}))
         }
         TouchEvent::Sensed { number, sensation } => {
             let told = json!({
@@ -34,7 +34,7 @@ pub fn event_json(stage: &Stage, time: f64, event: &TouchEvent) -> Value {
     };
     told["time"] = json!(time);
     told["number"] = json!(number);
-    told["self_touch"] = json!(party == Party::Own);
+    told["self_touch"] = json!(party.own().is_some());
     told["by"] = json!(party.thing().map(|thing| stage.thing_name(thing)));
     told
 }

@@ -1,7 +1,7 @@
 //! Motions without forces: straight through postures, up to the first contact of limbs that are not neighbours.
 
 use super::advancement::{ConservativeAdvancement, SLIDING};
-use super::motion::{Ending, Met, Motion, Movers, Moving};
+use super::motion::{Ending, Motion, Movers, Moving};
 use super::touchable::Encounter;
 use crate::creature::Posture;
 use crate::error::Result;
@@ -216,7 +216,7 @@ impl<'a> KinematicMotion<'a> {
         self.moving.posture = self.clearance.motion.posture(at);
         self.place(&self.clearance.motion.posture(at))?;
         Ok(match self.movers.read(&self.data, &contact) {
-            Reading::Touch(places) => Ending::Touch(Met::new(places, None)),
+            Reading::Touch(met) => Ending::Touch(met),
             _ => {
                 self.moving.effort.bare += 1;
                 Ending::Bare

@@ -25,7 +25,7 @@ mod touchable;
 pub use agent_handle::AgentHandle;
 pub use event::{aura_event_json, event_json};
 pub use kinematic::DEEPEST;
-pub use motion::{Effort, Ending, Met, MotionName, Mover, Movers};
+pub use motion::{Effort, Ending, MotionName, Mover, Movers};
 pub use probe::{PROBE_RADIUS, ProbePath, STIFFNESS};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 pub use stage::{Stage, StageOptions, StepSenses, Watcher};

@@ -12,35 +12,7 @@ use crate::creature::{Body, Posture};
 use crate::error::{Error, Kind, Result};
 use crate::mujoco::{Contact, Data};
 use crate::named::named;
-use crate::senses::{
-    ContactReader, ExactContact, Moment, Proprioception, Reading, RecordedTouch, SkinPlace, Touch, TouchEnd,
-};
-
-/// Skin that met skin: two receptors, and the exact contact, which only a record of the touch takes in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met {
-    receptors: [usize; 2],
-    contact: ExactContact,
-}
-
-impl Met {
-    /// Two places on the skin that met, so deep in each other where forces were at work, metres.
-    pub(super) fn new(places: [SkinPlace; 2], depth: Option<f64>) -> Met {
-        Met {
-            receptors: places.map(|place| place.receptor),
-            contact: ExactContact {
-                points: places.map(|place| place.point),
-                depth,
-                ..ExactContact::default()
-            },
-        }
-    }
-
-    /// How deep they are in each other, metres.
-    pub(super) fn depth(&self) -> Option<f64> {
-        self.contact.depth
-    }
-}
+use crate::senses::{ContactReader, Met, Moment, Proprioception, Reading, RecordedTouch, Touch, TouchEnd};
 
 /// How a motion ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -277,6 +249,9 @@ impl Mover<'_> {
     pub fn touch(&mut self, bout: u64, met: Met) -> Result<RecordedTouch> {
         let (motion, posture) = (self.effort().motions, self.felt_posture()?);
         let ends = met.receptors.map(TouchEnd::at);
-        Ok(RecordedTouch::new(Touch { bout, motion, posture, ends, moment: self.moment() }, met.contact))
+        Ok(RecordedTouch::new(
+            Touch { bout, motion, posture, ends, moment: self.moment() },
+            met.exact_contact,
+        ))
     }
 }

@@ -1,6 +1,6 @@
 //! A motion straight from one posture to another: every coordinate changes at a constant rate.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::creature::{Creature, DofKind, Joint, Posture, ball};
 use crate::kinematics::{DofTransform, LimbMotion, limb_motions_into, rotation};
@@ -22,6 +22,8 @@ pub(super) struct StraightMotion {
     /// How strongly neighbouring degrees of freedom of one joint turn about the same axis: per degree of
     /// freedom, |a_k · a_(k+1)|.
     alike: Vec<f64>,
+    start: Posture,
+    target: Posture,
     paths: Vec<DofPath>,
     /// Per degree of freedom, what it does where limbs were placed last.
     transforms: Vec<DofTransform>,
@@ -39,11 +41,13 @@ impl StraightMotion {
                 }
             }
         }
-        StraightMotion { creature, schema, alike, paths: Vec::new(), transforms: Vec::new() }
+        let [start, target] = [0; 2].map(|_| Posture::reference(&creature));
+        StraightMotion { creature, schema, alike, start, target, paths: Vec::new(), transforms: Vec::new() }
     }
 
     /// Sets out from `start` to `target`.
     pub fn begin(&mut self, start: &[f64], target: &[f64]) {
+        (self.start, self.target) = (Posture::from(start), Posture::from(target));
         self.paths.clear();
         for at in self.creature.elements() {
             let q = at.coordinate();
@@ -88,20 +92,7 @@ impl StraightMotion {
 
     /// The posture at `t`.
     pub fn posture(&self, t: f64) -> Posture {
-        let mut posture = Vec::with_capacity(self.creature.coordinates());
-        for path in &self.paths {
-            match path {
-                DofPath::Hinge { start, rate } | DofPath::Slide { start, rate } => {
-                    posture.push(start + t * rate);
-                }
-                DofPath::Ball { start, axis, rate } => {
-                    let turned = Rotation3::from_matrix_unchecked(ball_at(start, axis, *rate, t));
-                    let q = UnitQuaternion::from_rotation_matrix(&turned);
-                    posture.extend([q.w, q.i, q.j, q.k]);
-                }
-            }
-        }
-        posture.into()
+        Posture::between(&self.creature, &self.start, &self.target, t)
     }
 
     /// Poses and motions of all limbs at `t`, in the root's frame.
@@ -130,6 +121,8 @@ fn ball_at(start: &Matrix3<f64>, axis: &Vector3<f64>, rate: f64, t: f64) -> Matr
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::UnitQuaternion;
+
     use super::*;
     use crate::creature::Dof;
     use crate::kinematics::limb_frames;

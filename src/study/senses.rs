@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{By, Column, Row, Studied, Study, Trial};
 use crate::creature::JointSelection;
 use crate::error::{Error, Result};
-use crate::senses::{Party, Sensation, TouchEvent, TouchKind, TouchSensor};
+use crate::senses::{Sensation, TouchEvent, TouchKind, TouchSensor, Toucher};
 use crate::simulation::partner::{Stimulation, Strokes};
 use crate::simulation::{ProbePath, Stage, StepSenses};
 use crate::skin::SomatotopicMap;
@@ -155,7 +155,7 @@ fn compared(stage: &Stage, done: &Stimulation) -> Result<Row, Error> {
 
 /// Sends a probe and lets the creature feel it; what was felt of it, and when each sensation was decided.
 fn feel(stage: &Stage, done: &Stimulation) -> Result<Vec<(Sensation, f64)>> {
-    let probe = stage.thing(PROBE).map(Party::Thing);
+    let probe = stage.thing(PROBE).map(Toucher::Thing);
     stage.send_probe(0, done.path.clone())?;
     let end = done.path.end() + PATIENCE;
     let mut felt = Vec::new();

@@ -123,13 +123,10 @@ fn receptors_fire_where_limbs_press_in_the_posture_of_the_touch() {
         take(&body, &mut data, &touch.posture);
         // The very contact, read again from the posture alone.
         let reads = |contact: &_| match reader.read(&body, agent.skin(), &data, contact) {
-            Reading::Touch(spots) => {
-                let same = |k: usize| {
-                    spots[k].receptor == touch.ends[k].receptor
-                        && (spots[k].point - touch.exact_contact().points[k]).norm() < SAME_PLACE
-                };
-                same(0) && same(1)
-            }
+            Reading::Touch(met) => (0..2).all(|k| {
+                let off = met.exact_contact.points[k] - touch.exact_contact().points[k];
+                met.receptors[k] == touch.ends[k].receptor && off.norm() < SAME_PLACE
+            }),
             _ => false,
         };
         let found = data.contacts().find(|contact| reads(contact));

@@ -9,7 +9,7 @@ use bodyschema::creature::{Body, Posture};
 use bodyschema::kinematics::REACHED;
 use bodyschema::kinematics::Workspace;
 use bodyschema::learning::Certainty;
-use bodyschema::peripersonal::{Level, OwnBody, ReachableMap};
+use bodyschema::peripersonal::{Level, OwnBody, ReachableMap, Whereabouts};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -137,7 +137,7 @@ fn random_postures_are_on_the_map_and_every_voxel_has_a_posture_in_it() {
         let at_ease = own.at_ease();
         for (cell, level) in map.voxels().step_by(7) {
             let middle = map.lattice().middle(cell);
-            let posture = map.posture_near(&middle);
+            let posture = map.whereabouts(&middle).posture;
             assert!((tip(&own, &map, &posture) - middle).amax() <= map.lattice().half() + KEPT);
             for dof in own.creature().elements() {
                 let q = dof.coordinate();
@@ -164,7 +164,8 @@ fn levels_distances_and_postures_agree() {
     assert!(near > 0.5 && far > 0.5, "{near} m³ near, {far} m³ far");
     assert_eq!(own.creature().limbs()[map.chest], "thoracic3");
     let ahead = Vector3::new(0.4, 0.1, 0.0);
-    assert_eq!((map.level(&ahead), map.beyond(&ahead)), (Level::Near, 0.0));
+    let found = map.whereabouts(&ahead);
+    assert_eq!((found.level, found.beyond), (Level::Near, 0.0));
     let reach = map.reach(&ahead);
     assert!(
         reach.miss <= REACHED && (tip(&own, &map, &reach.posture) - ahead).norm() <= REACHED,
@@ -174,7 +175,7 @@ fn levels_distances_and_postures_agree() {
     let mut levels = Vec::new();
     for step in 0..40 {
         let point = Vector3::new(0.051 * f64::from(step), 0.1, 0.0);
-        let (level, beyond) = (map.level(&point), map.beyond(&point));
+        let Whereabouts { level, beyond, .. } = map.whereabouts(&point);
         assert_eq!(level == Level::OutOfReach, beyond > 0.0, "{level:?} by {beyond}");
         // No voxel is nearer than the nearest.
         let nearest =
@@ -242,7 +243,7 @@ fn the_map_is_the_same_for_any_number_of_threads_and_nearly_the_same_for_nearly_
     assert_eq!(all[0], all[1]);
     for (cell, _) in all[0].iter().step_by(11) {
         let middle = maps[0].lattice().middle(*cell);
-        assert_eq!(maps[0].posture_near(&middle), maps[1].posture_near(&middle));
+        assert_eq!(maps[0].whereabouts(&middle), maps[1].whereabouts(&middle));
     }
     let mut learned = own.schema.clone();
     learned.positions.iter_mut().for_each(|position| position.x += 1e-5);

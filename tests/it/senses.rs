@@ -6,9 +6,7 @@ use std::process::{Command, Output};
 use crate::common::{max, repository, with_agent};
 use bodyschema::creature::JointSelection;
 use bodyschema::senses::touch_sensor::RELEASE;
-use bodyschema::senses::{
-    Party, Sensation, SkinContact, SkinSpot, TouchEvent, TouchKind, TouchSensor, Toucher,
-};
+use bodyschema::senses::{Sensation, SkinContact, SkinSpot, TouchEvent, TouchKind, TouchSensor, Toucher};
 use bodyschema::simulation::partner::Strokes;
 use bodyschema::simulation::{Stage, StageOptions, StepSenses};
 use bodyschema::skin::{Skin, SomatotopicMap};
@@ -141,7 +139,7 @@ fn at_one_place_a_short_touch_is_a_tap_and_a_long_one_a_press() {
     let receptor = max.receptor("left_forearm_05");
     for (steps, kind) in [(25, TouchKind::Tap), (250, TouchKind::Press)] {
         let felt = max.sensation(&vec![vec![max.on(receptor, FINGER)]; steps]);
-        assert_eq!((felt.kind, felt.by), (kind, Party::Thing(FINGER)));
+        assert_eq!((felt.kind, felt.by), (kind, Toucher::Thing(FINGER)));
         let [side] = &felt.sides[..] else { panic!("{kind:?} has {} sides", felt.sides.len()) };
         assert_eq!(side.limb, max.skin.receptors[receptor].limb);
         assert_eq!(side.receptors.iter().map(|(r, _)| *r).collect::<Vec<_>>(), [receptor]);
@@ -191,9 +189,9 @@ fn two_parties_at_one_place_are_two_sensations() {
     let receptor = max.receptor("left_forearm_05");
     let both = vec![max.on(receptor, FINGER), max.on(receptor, PEN)];
     let felt = max.sensations(&vec![both; 20]);
-    let mut parties: Vec<Party> = felt.iter().map(|sensation| sensation.by).collect();
+    let mut parties: Vec<Option<usize>> = felt.iter().map(|sensation| sensation.by.thing()).collect();
     parties.sort_unstable();
-    assert_eq!(parties, [Party::Thing(FINGER), Party::Thing(PEN)]);
+    assert_eq!(parties, [Some(FINGER), Some(PEN)]);
 }
 
 #[test]
@@ -204,7 +202,7 @@ fn self_touch_has_two_sides_and_no_object() {
     let own = SkinContact { by: Toucher::Own(other), ..max.on(arm, FINGER) };
     // Something else at the same place of the arm is felt apart from it.
     let felt = max.sensations(&vec![vec![own, max.on(arm, FINGER)]; 20]);
-    let (own, others): (Vec<_>, Vec<_>) = felt.iter().partition(|sensation| sensation.by == Party::Own);
+    let (own, others): (Vec<_>, Vec<_>) = felt.iter().partition(|sensation| sensation.by.own().is_some());
     assert_eq!((own.len(), others.len()), (1, 1));
     let limbs: Vec<usize> = own[0].sides.iter().map(|side| side.limb).collect();
     assert_eq!(limbs, [arm, chest].map(|receptor| max.skin.receptors[receptor].limb));
@@ -247,7 +245,7 @@ fn random_stimulations_of_max_are_told_right_and_soon() {
             let longest = felt.iter().max_by(|a, b| lasted(&a.0).total_cmp(&lasted(&b.0)));
             let (told, _) = longest.unwrap_or_else(|| panic!("{kind:?} of seed {seed} was not felt"));
             let as_told = (told.kind, told.by, told.sides[0].limb);
-            assert_eq!(as_told, (kind, Party::Thing(probe), done.limbs[0]), "seed {seed}");
+            assert_eq!(as_told, (kind, Toucher::Thing(probe), done.limbs[0]), "seed {seed}");
             let decided = felt.last().expect("it was felt").1;
             let most = if matches!(kind, TouchKind::Tap | TouchKind::Press) { SOON } else { LONGEST };
             assert!(decided - last_contact <= most, "{kind:?} of seed {seed}: after {decided} s");

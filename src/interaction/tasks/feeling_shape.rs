@@ -124,7 +124,7 @@ impl Actor {
         stands: bool,
     ) -> Option<Vector3<f64>> {
         let near = TRIED.cos();
-        let sides = crate::peripersonal::directions(SIDES).into_iter().filter(|side| {
+        let sides = crate::geometry::directions(SIDES).filter(|side| {
             (!stands || side.dot(&self.up) > LOWEST) && tried.iter().all(|other| other.dot(side) < near)
         });
         sides.max_by(|a, b| shape.doubt(a).total_cmp(&shape.doubt(b)))

@@ -6,7 +6,7 @@ use super::Trouble;
 use crate::creature::Posture;
 use crate::geometry::{Capsule, Frame};
 use crate::interaction::actor::{Actor, SWIFT};
-use crate::kinematics::axis_directions;
+use crate::kinematics::Freedoms;
 use crate::peripersonal::{
     CollisionChecker, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, Palm, limb_posture, palm_turn,
 };
@@ -182,29 +182,21 @@ impl Actor {
         let [one, other] = &self.hands;
         let on_trunk = |joint: &usize| !one.arm.contains(joint) && !other.arm.contains(joint);
         let trunk: Vec<usize> = one.leaning.iter().copied().filter(on_trunk).collect();
-        let creature = self.own.creature();
-        let axes = axis_directions(creature, &self.own.schema, base, &self.own.frames(base));
-        let mut posture = Posture::from(base);
+        let freedoms = Freedoms::new(self.own.creature(), &self.own.schema, &trunk);
+        let motions = freedoms.at(base);
+        let mut change = vec![0.0; freedoms.count()];
         for (about, angle) in [(self.up, turn), (self.left(), lean)] {
-            let along: Vec<(usize, f64)> = creature
-                .elements()
-                .filter(|at| !at.is_ball())
-                .zip(&axes)
-                .filter(|(at, (joint, axis))| {
-                    trunk.contains(joint) && at.follows.is_none() && axis.dot(&about).abs() > ALONG
-                })
-                .map(|(at, (_, axis))| {
-                    let grows = axis.dot(&about) * angle > 0.0;
-                    let [low, high] = at.range;
-                    (at.coordinate(), if grows { high } else { low } - base[at.coordinate()])
-                })
-                .collect();
-            let room: f64 = along.iter().map(|(_, room)| room.abs()).sum();
-            let share = if room > 0.0 { (angle.abs() / room).min(1.0) } else { 0.0 };
-            along.iter().for_each(|(q, room)| posture[*q] += share * room);
+            let room = |k: usize| {
+                let along = motions.axis(k).dot(&about);
+                let room = freedoms.bounds(k, base, f64::INFINITY)[usize::from(along * angle > 0.0)];
+                (along.abs() > ALONG && room.is_finite()).then_some((k, room))
+            };
+            let rooms: Vec<(usize, f64)> = (0..freedoms.count()).filter_map(room).collect();
+            let all: f64 = rooms.iter().map(|(_, room)| room.abs()).sum();
+            let share = if all > 0.0 { (angle.abs() / all).min(1.0) } else { 0.0 };
+            rooms.iter().for_each(|(k, room)| change[*k] += share * room);
         }
-        creature.couple(&mut posture);
-        posture
+        freedoms.changed(base, &change)
     }
 
     /// A posture with each arm as it is in another.
@@ -228,9 +220,8 @@ impl Actor {
         let arm = &self.hands[hand].arm;
         let own = &self.own;
         let limbs = self.hands.each_ref().map(|hand| own.hand_of(hand.arm[0] + 1));
-        let between: Vec<[usize; 2]> =
-            limbs[0].iter().flat_map(|&a| limbs[1].iter().map(move |&b| [a, b])).collect();
-        let clear = |posture: &[f64]| clearance.free_but(&own.frames(posture), CLEAR, &between);
+        let clearance = clearance.but_between(&limbs[0], &limbs[1]);
+        let clear = |posture: &[f64]| clearance.free(&own.frames(posture), CLEAR);
         let mut found = Vec::new();
         for pitch in PITCHES {
             self.turn_palm(plan, hand, pitch);

@@ -2,9 +2,9 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
+use super::FeltShape;
 use super::family::RoundedFrustum;
-use super::{PlacedSkin, directions};
-use crate::geometry::{ConvexBody, Precision, distance_by_support};
+use crate::geometry::{ConvexBody, Precision, directions, distance_by_support};
 
 /// How far a corner of a thing is from the family's body, one standard deviation, in shares of its size …
 const BENDS: f64 = 0.2;
@@ -34,7 +34,7 @@ pub(super) struct BentBody {
 impl BentBody {
     /// A body of the family, not bent; `size` in metres.
     pub fn new(family: &RoundedFrustum, size: f64) -> BentBody {
-        let directions = directions(CORNERS);
+        let directions: Vec<Vector3<f64>> = directions(CORNERS).collect();
         let unbent: Vec<Vector3<f64>> =
             directions.iter().map(|direction| family.support(direction)).collect();
         let (corners, middle) = (unbent.clone(), family.centre());
@@ -42,15 +42,9 @@ impl BentBody {
         BentBody { directions, unbent, corners, middle, variance: (BENDS * size).powi(2), rows, factor: None }
     }
 
-    /// The same bent so that some skin touches it, to `exactness` in metres, and other skin is not in it; it does not reach
+    /// The same bent so that the skin that touched touches it, to `exactness` in metres, and no other is in it; it does not reach
     /// below a plane at a distance from the origin along `down`, but down to it.
-    pub fn bent(
-        mut self,
-        touching: &[PlacedSkin],
-        clear: &[PlacedSkin],
-        stands: Option<(Vector3<f64>, f64)>,
-        exactness: f64,
-    ) -> BentBody {
+    pub fn bent(mut self, felt: &FeltShape, stands: Option<(Vector3<f64>, f64)>, exactness: f64) -> BentBody {
         let covariance = DMatrix::from_fn(CORNERS, CORNERS, |i, j| {
             kernel(&self.directions[i], &self.directions[j], self.variance)
         });
@@ -62,21 +56,7 @@ impl BentBody {
                 rows.push(body.moves(normal));
                 residuals.push(residual);
             };
-            for skin in touching {
-                let gap = skin.gap_to(&self, Precision::ExactWhereShallow);
-                tell(&self, &gap.normal, gap.distance);
-            }
-            for skin in clear {
-                let way = (skin.middle() - self.middle).try_normalize(1e-6);
-                let parted =
-                    |way: &Vector3<f64>| way.dot(&skin.middle()) - skin.bound() > self.support(way).dot(way);
-                if way.as_ref().is_some_and(parted) {
-                    continue;
-                }
-                if let Some(gap) = skin.overlap_with(&self) {
-                    tell(&self, &gap.normal, gap.distance);
-                }
-            }
+            felt.gaps(&self).iter().for_each(|gap| tell(&self, &gap.normal, gap.distance));
             if let Some((down, far)) = &stands {
                 let extent = self.support(down).dot(down);
                 tell(&self, down, far - extent);

@@ -152,15 +152,14 @@ impl FeltShape {
         let count = self.touching.len();
         let mut fits: Vec<Fitted> = Vec::new();
         fits.extend(self.last.map(|(last, start)| self.fit(last, start, &ANNEALED[ROUGH - 1..ROUGH])));
-        let explained = fits.first().is_some_and(|fit| self.misfit(&fit.numbers) < EXPLAINED);
+        let explained = fits.first().is_some_and(|fit| self.is_explained_by(fit));
         if fits.is_empty() || (!explained && count as f64 >= ANEW * self.begun as f64) {
             fits.extend(self.starts().into_iter().map(|start| self.fit(start, start, &ANNEALED[..ROUGH])));
             self.begun = count;
         }
         fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         fits.truncate(REFINED);
-        let in_family = fits.iter().any(|fit| self.misfit(&fit.numbers) < EXPLAINED);
-        if in_family {
+        if fits.iter().any(|fit| self.is_explained_by(fit)) {
             fits = fits.iter().map(|fit| self.fit(fit.numbers, fit.start, &ANNEALED[ROUGH..])).collect();
         }
         let Fitted { numbers, start, .. } = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
@@ -169,10 +168,21 @@ impl FeltShape {
         let half = |k: usize| numbers[6 + k].exp() + numbers[14 + k].exp();
         let size = (half(0) * half(1) * half(2)).cbrt();
         let stands = self.stands.map(|height| (-self.up, -height));
-        let body = BentBody::new(&family, size).bent(&self.touching, &self.clear, stands, TOUCHED);
-        let gaps = self.touching.iter().map(|skin| skin.gap_to(&body, Precision::ExactWhereShallow).distance);
-        let unexplained = (gaps.map(|gap| gap * gap).sum::<f64>() / self.touching.len() as f64).sqrt();
+        let body = BentBody::new(&family, size).bent(self, stands, TOUCHED);
+        let unexplained = self.misfit(&body);
         Some(ShapeEstimate { body, stands, unexplained })
+    }
+
+    /// The gaps between a body and the skin that touched, and those below 0 of skin that touched nothing.
+    fn gaps(&self, body: &dyn ConvexBody) -> Vec<Gap> {
+        let touching = self.touching.iter().map(|skin| skin.gap_to(body, Precision::ExactWhereShallow));
+        // Most are parted from it by a plane across the way between the middles.
+        let parted = |skin: &&PlacedSkin| {
+            let way = (skin.middle() - body.centre()).try_normalize(1e-6);
+            way.is_some_and(|way| way.dot(&skin.middle()) - skin.bound() > body.support(&way).dot(&way))
+        };
+        let near = self.clear.iter().filter(|skin| !parted(skin));
+        touching.chain(near.filter_map(|skin| skin.overlap_with(body))).collect()
     }
 
     /// The least cost from a guess, where `start` is what the numbers are like before.
@@ -186,11 +196,15 @@ impl FeltShape {
         Fitted { cost, numbers, start }
     }
 
-    /// The root mean square of the gaps between a body of the family and the skin that touched, metres.
-    fn misfit(&self, numbers: &Numbers) -> f64 {
-        let body = RoundedFrustum::of(numbers);
-        let gaps = self.touching.iter().map(|skin| skin.gap_to(&body, Precision::ExactWhereShallow).distance);
+    /// The root mean square of the gaps between a body and the skin that touched, metres.
+    fn misfit(&self, body: &dyn ConvexBody) -> f64 {
+        let gaps = self.touching.iter().map(|skin| skin.gap_to(body, Precision::ExactWhereShallow).distance);
         (gaps.map(|gap| gap * gap).sum::<f64>() / self.touching.len() as f64).sqrt()
+    }
+
+    /// Whether the family explains what was felt, by a fit.
+    fn is_explained_by(&self, fit: &Fitted) -> bool {
+        self.misfit(&RoundedFrustum::of(&fit.numbers)) < EXPLAINED
     }
 
     /// Initial guesses: turned, and more or less round.
@@ -231,19 +245,6 @@ impl FeltShape {
         }
         starts
     }
-}
-
-/// Unit vectors spread evenly over the sphere, along a spiral of golden angles.
-pub fn directions(count: usize) -> Vec<Vector3<f64>> {
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    (0..count)
-        .map(|k| {
-            let z = 1.0 - 2.0 * (k as f64 + 0.5) / count as f64;
-            let (sin, cos) = (golden * k as f64).sin_cos();
-            let across = (1.0 - z * z).sqrt();
-            Vector3::new(across * cos, across * sin, z)
-        })
-        .collect()
 }
 
 impl ShapeEstimate {
@@ -307,23 +308,9 @@ impl Fit<'_> {
     /// metre of extent does to it.
     fn residuals(&self, n: &Numbers) -> Vec<(f64, Vector3<f64>, f64)> {
         let body = RoundedFrustum::of(n);
-        let mut found = Vec::new();
-        for skin in &self.felt.touching {
-            let gap = skin.gap_to(&body, Precision::ExactWhereShallow);
-            found.push((gap.distance / self.touched, gap.normal, -1.0 / self.touched));
-        }
-        for skin in &self.felt.clear {
-            // Most are parted from it by a plane across the way between the middles.
-            let way = skin.middle() - body.centre();
-            if let Some(way) = way.try_normalize(1e-6)
-                && way.dot(&skin.middle()) - skin.bound() > body.extent(&way)
-            {
-                continue;
-            }
-            if let Some(gap) = skin.overlap_with(&body) {
-                found.push((gap.distance / self.touched, gap.normal, -1.0 / self.touched));
-            }
-        }
+        let gaps = self.felt.gaps(&body).into_iter();
+        let mut found: Vec<_> =
+            gaps.map(|gap| (gap.distance / self.touched, gap.normal, -1.0 / self.touched)).collect();
         if let Some(height) = self.felt.stands {
             let (down, stands) = (-self.felt.up, STANDS.max(self.touched));
             found.push(((-body.extent(&down) - height) / stands, down, -1.0 / stands));

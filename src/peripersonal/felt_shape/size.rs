@@ -1,8 +1,9 @@
 //! How large a thing is by what is known of its shape: its height, and how long and broad it is as seen from above.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::ShapeEstimate;
+use crate::geometry::tangent_basis;
 
 /// Level directions among which a thing's breadth is looked for.
 const HEADINGS: usize = 36;
@@ -32,17 +33,13 @@ pub struct FeltSize {
 impl ShapeEstimate {
     /// How large it is; `up` is a unit direction in the root's frame.
     pub fn size(&self, up: &Vector3<f64>) -> FeltSize {
-        let across = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-        let first = (across - up * across.dot(up)).normalize();
-        let second = up.cross(&first);
+        let level = tangent_basis(up);
         let heading = |k: usize| {
             let (sin, cos) = (std::f64::consts::PI * k as f64 / HEADINGS as f64).sin_cos();
-            first * cos + second * sin
+            level * Vector2::new(cos, sin)
         };
-        let narrow = (0..HEADINGS)
-            .map(heading)
-            .min_by(|a, b| self.width(a).total_cmp(&self.width(b)))
-            .unwrap_or(first);
+        let narrower = |a: &Vector3<f64>, b: &Vector3<f64>| self.width(a).total_cmp(&self.width(b));
+        let narrow = (0..HEADINGS).map(heading).min_by(narrower).expect("there are headings");
         let level = |direction: &Vector3<f64>| FeltLength {
             length: self.width(direction),
             deviation: self.doubt(direction).hypot(self.doubt(&-direction)),

@@ -10,12 +10,12 @@ use std::collections::BTreeMap;
 pub(super) use servo::Servo;
 use servo::{FINER, ServoPath};
 
-use super::motion::{Ending, Met, Motion, Movers, Moving};
+use super::motion::{Ending, Motion, Movers, Moving};
 use super::sorted;
 use super::step::step;
 use crate::error::Result;
 use crate::mujoco::Data;
-use crate::senses::{Moment, Reading};
+use crate::senses::{Met, Moment, Reading};
 
 /// Limbs that have been felt must have parted for this long until they can be felt again, seconds.
 const PARTED: f64 = 0.02;
@@ -154,12 +154,12 @@ impl<'a> DynamicMotion<'a> {
             }
             fresh.push(limbs);
             let depth = Some((-contact.distance).max(0.0));
-            if fired.is_some_and(|fired| fired.met.depth() >= depth) || !feel {
+            if fired.is_some_and(|fired| fired.met.exact_contact.depth >= depth) || !feel {
                 continue;
             }
-            if let Reading::Touch(places) = self.movers.read(data, &contact) {
-                let (met, moment) = (Met::new(places, depth), Moment { time: now, force });
-                fired = Some(Fired { met, level, moment });
+            if let Reading::Touch(mut met) = self.movers.read(data, &contact) {
+                met.exact_contact.depth = depth;
+                fired = Some(Fired { met, level, moment: Moment { time: now, force } });
             }
         }
         if fired.is_none() {
