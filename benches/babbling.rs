@@ -22,13 +22,8 @@ const POSTURES: usize = 1_000;
 fn posture_check(criterion: &mut Criterion) {
     let (body, _) = max::torso();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let postures: Vec<Vec<f64>> = (0..POSTURES)
-        .map(|_| {
-            let mut qpos = vec![0.0; body.model.nq()];
-            body.write_qpos(&Posture::random(&body.creature, &mut rng), &mut qpos);
-            qpos
-        })
-        .collect();
+    let posture = |_| body.qpos(&Posture::random(&body.creature, &mut rng));
+    let postures: Vec<Vec<f64>> = (0..POSTURES).map(posture).collect();
     let mut data = Data::new(body.model.clone()).expect("there is memory for one posture");
     let mut postures = postures.iter().cycle();
     criterion.bench_function("posture check", |bencher| {

@@ -184,10 +184,10 @@ pub fn model_drawing(source: &ModelSource, words: Option<&str>) -> Result<Drawin
         Err(error) if error.is_no_joints() && words.is_none() => None,
         _ => Some(source.body_in(model.clone())?),
     };
-    let mut qpos = model.qpos0().to_vec();
-    if let Some(body) = &body {
-        body.write_qpos(&posture(words, &body.creature)?, &mut qpos);
-    }
+    let qpos = match &body {
+        Some(body) => body.qpos(&posture(words, &body.creature)?),
+        None => model.qpos0().to_vec(),
+    };
     let shots = vec![Shot { qpos, ..Shot::default() }];
     Ok(Drawing { model, body, alone: false, shots, shaded: false })
 }

@@ -62,6 +62,15 @@ impl Body {
         Ok(data)
     }
 
+    /// Puts the creature into a posture and all else where it was at first, poses computed.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub fn put(&self, posture: &[f64], data: &mut Data) -> Result<()> {
+        data.set_qpos(&self.qpos(posture))?;
+        Ok(data.kinematics()?)
+    }
+
     /// `X_WL` of every limb at the reference posture: its joint's anchor, the root's orientation.
     ///
     /// # Errors
@@ -77,9 +86,9 @@ impl Body {
         frames
     }
 
-    /// Writes a posture of the creature into a `qpos` vector.
-    pub fn write_qpos(&self, posture: &[f64], qpos: &mut [f64]) {
-        qpos.copy_from_slice(&self.base);
+    /// A posture of the creature as the engine's `qpos`.
+    pub fn qpos(&self, posture: &[f64]) -> Vec<f64> {
+        let mut qpos = self.base.clone();
         for (&(address, zero), coordinate) in self.addresses.iter().zip(posture) {
             qpos[address] = zero + coordinate;
         }
@@ -88,9 +97,10 @@ impl Body {
             let turned = orientation.inverse_transform_vector(&Vector3::from_column_slice(axis));
             axis.copy_from_slice(turned.as_slice());
         }
+        qpos
     }
 
-    /// The posture of the creature in a `qpos` vector: the inverse of [`Body::write_qpos`].
+    /// The posture of the creature in a `qpos` vector: the inverse of [`Body::qpos`].
     pub fn read_posture(&self, qpos: &[f64]) -> Posture {
         let mut qpos = qpos.to_vec();
         for (address, orientation) in &self.balls {

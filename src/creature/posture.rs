@@ -7,6 +7,7 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use super::{Creature, Dof, DofKind};
+use crate::geometry::wxyz;
 
 /// Where every joint of a creature stands: its coordinates in the creature's order. Of a hinge the angle in
 /// radians, of a slide the distance in metres, of a ball a unit quaternion w x y z.
@@ -115,7 +116,7 @@ impl Posture {
                         }
                     };
                     let q = UnitQuaternion::from_axis_angle(&axis, high * rng.random::<f64>());
-                    posture.extend(coordinates_of(&q));
+                    posture.extend(wxyz(&q));
                 }
             }
         }
@@ -129,7 +130,7 @@ impl Posture {
         for at in creature.elements().filter(DofElement::is_ball) {
             let (a, b) = (ball(at.of(from)), ball(at.of(to)));
             let turned = UnitQuaternion::from_scaled_axis((b * a.inverse()).scaled_axis() * share) * a;
-            at.of_mut(&mut posture).copy_from_slice(&coordinates_of(&turned));
+            at.of_mut(&mut posture).copy_from_slice(&wxyz(&turned));
         }
         Posture(posture)
     }
@@ -159,7 +160,7 @@ impl Posture {
                 let share = within(&from, &axis, angle, at.range[1]);
                 if share < 1.0 {
                     let limit = UnitQuaternion::from_axis_angle(&axis, share * angle) * from;
-                    at.of_mut(&mut reached).copy_from_slice(&coordinates_of(&limit));
+                    at.of_mut(&mut reached).copy_from_slice(&wxyz(&limit));
                 }
             }
         }
@@ -228,12 +229,7 @@ pub fn turn_ball(q: &mut [f64], turn: &Vector3<f64>, most: f64) {
         Some((axis, angle)) if angle > most => UnitQuaternion::from_axis_angle(&axis, most),
         _ => turned,
     };
-    q[..4].copy_from_slice(&coordinates_of(&limited));
-}
-
-/// A rotation as a ball's posture coordinates w x y z.
-fn coordinates_of(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
-    [rotation.w, rotation.i, rotation.j, rotation.k]
+    q[..4].copy_from_slice(&wxyz(&limited));
 }
 
 /// The share of a turn about `axis` by `angle` that stays within rotations by at most `most`.

@@ -54,8 +54,7 @@ impl Frame {
 
     /// The same as MuJoCo writes it: w x y z.
     pub fn wxyz(&self) -> [f64; 4] {
-        let q = self.quaternion();
-        [q.w, q.i, q.j, q.k]
+        wxyz(&self.quaternion())
     }
 
     /// `X_BA`, for an orthonormal rotation.
@@ -86,6 +85,11 @@ impl Mul for Frame {
     fn mul(self, inner: Frame) -> Frame {
         Frame { rotation: product(&self.rotation, &inner.rotation), origin: self.point(&inner.origin) }
     }
+}
+
+/// A rotation's quaternion as MuJoCo, and postures, have it: w x y z.
+pub(crate) fn wxyz(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
+    [rotation.w, rotation.i, rotation.j, rotation.k]
 }
 
 /// The product of two rotations, written out for the same reason.

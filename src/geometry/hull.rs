@@ -23,6 +23,8 @@ pub struct Hull {
     /// Per triangle, its outward unit normal and how far it is from the origin along it.
     planes: Vec<(Vector3<f64>, f64)>,
     areas: Vec<f64>,
+    /// Half the sides of the box about the hull whose middle is the origin.
+    half_bounds: Vector3<f64>,
     farthest: FarthestPoint,
 }
 
@@ -59,6 +61,7 @@ impl Hull {
         let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
         let size = vertices.iter().map(|v| (v - middle).norm()).fold(0.0, f64::max);
         let mut hull = Hull {
+            half_bounds: vertices.iter().fold(Vector3::zeros(), |half, v| half.sup(&v.abs())),
             farthest: FarthestPoint::new(vertices.clone()),
             polyhedron: Polyhedron { vertices, triangles: Vec::new() },
             planes: Vec::new(),
@@ -88,6 +91,7 @@ impl Hull {
     pub(crate) fn scaled(&self, by: f64) -> Hull {
         let vertices: Vec<Vector3<f64>> = self.vertices().iter().map(|v| v * by).collect();
         Hull {
+            half_bounds: by * self.half_bounds,
             farthest: FarthestPoint::new(vertices.clone()),
             polyhedron: Polyhedron { vertices, triangles: self.triangles().to_vec() },
             planes: self.planes.iter().map(|(normal, offset)| (*normal, offset * by)).collect(),
@@ -131,7 +135,7 @@ impl Hull {
 
     /// Half the sides of the box about the hull whose middle is the origin.
     pub fn half_bounds(&self) -> Vector3<f64> {
-        self.vertices().iter().fold(Vector3::zeros(), |half, v| half.sup(&v.abs()))
+        self.half_bounds
     }
 
     /// Whether a point is deeper inside than `depth`, metres.

@@ -165,10 +165,12 @@ impl Shape {
     /// Whether a point in the shape's axes is deeper inside than `depth`, metres; of a mesh without a hull it is not known, and none
     /// is.
     pub fn holds(&self, p: &Vector3<f64>, depth: f64) -> bool {
-        match self {
-            Shape::Hull(hull) => hull.holds(p, depth),
-            _ => self.signed_distance(p).is_some_and(|(distance, _)| distance < -depth),
-        }
+        // Of the thousand limbs that a hub may carry most are far away.
+        p.norm_squared() <= self.bounding_radius().powi(2)
+            && match self {
+                Shape::Hull(hull) => hull.holds(p, depth),
+                _ => self.signed_distance(p).is_some_and(|(distance, _)| distance < -depth),
+            }
     }
 
     /// Its farthest point in a direction of any length, in the shape's axes; none for a mesh without a hull.

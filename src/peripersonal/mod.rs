@@ -47,7 +47,7 @@ pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
 pub use obstacle::Obstacle;
-pub use own_body::{Doubt, OwnBody, Predicted};
+pub use own_body::{Doubt, OwnBody};
 pub use palm::{Palm, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use posture_program::{KEPT, PosedPlace, PostureProgram};

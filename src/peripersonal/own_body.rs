@@ -17,17 +17,6 @@ use crate::skin::Skin;
 /// A body is known well enough to act where skin is expected within this, metres: a fingertip's radius.
 const TRUSTED: f64 = 0.008;
 
-/// Where a receptor is expected, in a limb's frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Predicted {
-    /// The point, metres.
-    pub point: Vector3<f64>,
-    /// The outward normal there.
-    pub normal: Vector3<f64>,
-    /// The point's covariance, m²; `None` if the touches do not bound it.
-    pub covariance: Option<Matrix3<f64>>,
-}
-
 /// A creature's knowledge of its body.
 #[derive(Clone, Debug)]
 pub struct OwnBody {
@@ -225,12 +214,6 @@ impl OwnBody {
         Some(Place { limb: found.limb, point: p_l - normal * distance, direction: normal })
     }
 
-    /// The limbs of an aura limb by its name, or the limb of this name.
-    pub fn limbs_called(&self, name: &str) -> Option<Vec<usize>> {
-        let aura = self.creature().aura_limbs().iter().find(|aura| aura.name == name);
-        aura.map(|aura| aura.limbs.clone()).or_else(|| Some(vec![self.creature().limb(name)?]))
-    }
-
     /// The receptors on some limbs.
     pub fn receptors_on(&self, limbs: &[usize]) -> Vec<usize> {
         let receptors = self.skin().receptors.iter().enumerate();
@@ -268,22 +251,10 @@ impl OwnBody {
         self.joints_to(limb).into_iter().filter(|&joint| !carries(joint)).collect()
     }
 
-    /// Where a receptor is in the frame of another limb, at a posture: "given a proprioceptive input, together with input
-    /// from a certain touch receptor to a corresponding particular posture, the body schema can predict proprioceptive
-    /// sensor consequences for other touch receptors" (IVA 2009, section 3.1).
-    pub fn predict(&self, receptor: usize, limb: usize, posture: &[f64]) -> Predicted {
-        let place = self.place(receptor);
-        let frames = self.frames(posture);
-        let relative = frames[limb].inverse() * frames[place.limb];
-        Predicted {
-            point: relative.point(&place.point),
-            normal: relative.rotation * place.direction,
-            covariance: self.covariance(posture, [place.limb, limb], &place.point),
-        }
-    }
-
-    /// The covariance with which a point of a limb is put into another limb's frame, in that frame, m²; none where
-    /// nothing bounds it. All zero where a schema is taken as it is.
+    /// The covariance with which a point of a limb is put into another limb's frame, in that frame, m²: "given a
+    /// proprioceptive input, together with input from a certain touch receptor to a corresponding particular posture, the
+    /// body schema can predict proprioceptive sensor consequences for other touch receptors" (IVA 2009, section 3.1). `None`
+    /// if nothing bounds it. All zero where a schema is taken as it is.
     pub fn covariance(&self, posture: &[f64], limbs: [usize; 2], p_a: &Vector3<f64>) -> Option<Matrix3<f64>> {
         match &self.certainty {
             Certainty::Exact => Some(Matrix3::zeros()),

@@ -10,7 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::agent::Agent;
-use crate::creature::{Creature, DofKind, ball};
+use crate::creature::{DofKind, ball};
+use crate::geometry::wxyz;
 use crate::senses::{FeltPoint, Input, RecordedTouch, Touch, TouchEnd};
 use crate::skin::Skin;
 
@@ -71,7 +72,11 @@ impl Disturbances {
         }
         if self.joint_noise > 0.0 {
             let mut rng = stream(JOINT_STREAM);
-            touches.iter_mut().for_each(|touch| self.misread(creature, &mut touch.posture, &mut rng));
+            for touch in &mut touches {
+                for at in creature.elements().filter(|at| at.kind != DofKind::Slide) {
+                    misread(at.of_mut(&mut touch.posture), at.kind, self.joint_noise, &mut rng);
+                }
+            }
         }
         if self.receptor_noise > 0.0 {
             let mut skin = skin.clone();
@@ -87,22 +92,6 @@ impl Disturbances {
             points.for_each(|point| point.position += vector(self.point_noise, &mut rng));
         }
         DisturbedSenses { touches, agent: felt_by }
-    }
-
-    /// Adds noise to the angles of a posture.
-    fn misread(&self, creature: &Creature, posture: &mut [f64], rng: &mut impl Rng) {
-        for at in creature.elements() {
-            let coordinates = at.of_mut(posture);
-            match at.kind {
-                DofKind::Hinge => coordinates[0] += normal(self.joint_noise, rng),
-                DofKind::Slide => {}
-                DofKind::Ball => {
-                    let turned =
-                        ball(coordinates) * UnitQuaternion::from_scaled_axis(vector(self.joint_noise, rng));
-                    coordinates.copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
-                }
-            }
-        }
     }
 
     /// Displaces every receptor along with a surface of its own, and tells by how much.
@@ -145,6 +134,16 @@ impl Disturbances {
             touch.ends.swap(0, 1);
         }
     }
+}
+
+/// Adds noise to the coordinates of one degree of freedom, which come first; a ball is turned by a random rotation vector.
+pub(super) fn misread(coordinates: &mut [f64], kind: DofKind, deviation: f64, rng: &mut impl Rng) {
+    if kind != DofKind::Ball {
+        coordinates[0] += normal(deviation, rng);
+        return;
+    }
+    let turned = ball(coordinates) * UnitQuaternion::from_scaled_axis(vector(deviation, rng));
+    coordinates[..4].copy_from_slice(&wxyz(&turned));
 }
 
 fn normal(deviation: f64, rng: &mut impl Rng) -> f64 {

@@ -4,11 +4,10 @@
 //! enables that, with its `noise`. A joint without one is felt as it is. The engine computes the readings; only the
 //! noise is drawn here, from a stream of its own, so that the same seed feels the same whatever else runs beside it.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 
+use super::disturbance::misread;
 use super::{Sense, SensedStep, SensingBody};
 use crate::creature::{Body, DofKind, Posture};
 use crate::error::Result;
@@ -81,7 +80,6 @@ pub struct Proprioception {
     channels: Vec<Channel>,
     /// The engine's data of this sense alone: coordinates and sensors, no poses.
     data: Data,
-    qpos: Vec<f64>,
     noise: ChaCha8Rng,
     /// Without noise, the posture that it read last, and how that felt: a body that keeps still need not be read again.
     last: Option<[Posture; 2]>,
@@ -111,9 +109,8 @@ impl Proprioception {
             let (coordinate, dof) = (at.coordinate(), at.dof());
             Some(Channel { coordinate, qpos: body.qpos_address(coordinate), kind: dof.kind, sensor: sensor? })
         });
-        let qpos = vec![0.0; body.model.nq()];
         let (channels, data) = (channels.collect(), Data::new(body.model.clone())?);
-        Ok(Proprioception { channels, data, qpos, noise, last: None, felt: Posture::default() })
+        Ok(Proprioception { channels, data, noise, last: None, felt: Posture::default() })
     }
 
     /// The sense of a creature on a stage, which is there once.
@@ -148,12 +145,12 @@ impl Proprioception {
 
     fn read_anew(&mut self, body: &Body, posture: &[f64]) -> Result<Posture> {
         let mut felt = Posture::from(posture);
-        body.write_qpos(posture, &mut self.qpos);
-        let exact = self.qpos.clone();
+        let exact = body.qpos(posture);
+        let mut qpos = exact.clone();
         for channel in self.channels.iter().filter(|channel| channel.sensor.noise > 0.0) {
-            disturb(&mut self.qpos[channel.qpos..], channel.kind, channel.sensor.noise, &mut self.noise);
+            misread(&mut qpos[channel.qpos..], channel.kind, channel.sensor.noise, &mut self.noise);
         }
-        self.data.set_qpos(&self.qpos)?;
+        self.data.set_qpos(&qpos)?;
         self.data.sense_positions()?;
         let readings = self.data.sensordata();
         let mut told = exact.clone();
@@ -179,17 +176,4 @@ impl Proprioception {
         }
         Ok(felt)
     }
-}
-
-/// Adds noise to the engine's coordinate of one degree of freedom; a ball is turned by a random rotation vector.
-fn disturb(coordinate: &mut [f64], kind: DofKind, deviation: f64, rng: &mut ChaCha8Rng) {
-    let mut draw = || deviation * Distribution::<f64>::sample(&StandardNormal, rng);
-    if kind != DofKind::Ball {
-        coordinate[0] += draw();
-        return;
-    }
-    let [w, x, y, z] = [coordinate[0], coordinate[1], coordinate[2], coordinate[3]];
-    let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| draw()));
-    let turned = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)) * turn;
-    coordinate[..4].copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
 }

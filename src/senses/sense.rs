@@ -113,9 +113,7 @@ mod tests {
         let agent = Agent::of(&body).expect("it has a skin");
         let mut data = body.reference_data().expect("the engine computes");
         let posture = Posture::from(vec![0.75]);
-        let mut qpos = vec![0.0; body.model.nq()];
-        body.write_qpos(&posture, &mut qpos);
-        data.set_qpos(&qpos).and_then(|()| data.kinematics()).expect("the engine computes");
+        body.put(&posture, &mut data).expect("the engine computes");
         let own = SensingBody { agent: &agent, body: &body, frames: &body.limb_frames(&data) };
         let made = SENSES.iter().map(|new| new(&own)).collect::<Result<Vec<_>>>();
         let mut senses = made.expect("the engine computes");

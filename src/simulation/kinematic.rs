@@ -34,7 +34,6 @@ pub(super) struct KinematicMotion<'a> {
     movers: &'a Movers<'a>,
     data: Data,
     clearance: ConservativeAdvancement,
-    qpos: Vec<f64>,
     contact: Option<Encounter>,
     moving: Moving,
 }
@@ -64,12 +63,10 @@ impl Motion for KinematicMotion<'_> {
 impl<'a> KinematicMotion<'a> {
     /// A body at rest where motions start.
     pub fn new(movers: &'a Movers<'a>) -> Result<KinematicMotion<'a>> {
-        let model = &movers.body.model;
         Ok(KinematicMotion {
             movers,
-            data: Data::new(model.clone())?,
+            data: Data::new(movers.body.model.clone())?,
             clearance: movers.clearance.clone(),
-            qpos: vec![0.0; model.nq()],
             contact: None,
             moving: Moving::at(&movers.start),
         })
@@ -190,7 +187,7 @@ impl<'a> KinematicMotion<'a> {
     /// The deepest contact at `t`, by the engine, of geoms that can touch. What touched at the start is
     /// left out while it parts, unless it is the encounter itself.
     fn contact_at(&mut self, encounter: &Encounter, t: f64) -> Result<Option<(Encounter, Contact)>> {
-        self.place(&self.clearance.motion.posture(t))?;
+        self.movers.body.put(&self.clearance.motion.posture(t), &mut self.data)?;
         self.data.collision()?;
         self.moving.effort.engine_checks += 1;
         let heeded = |(met, contact): &(Encounter, Contact)| {
@@ -201,20 +198,13 @@ impl<'a> KinematicMotion<'a> {
         Ok(met.filter(heeded).min_by(|(_, c), (_, d)| c.distance.total_cmp(&d.distance)))
     }
 
-    /// Puts the engine's body into a posture.
-    fn place(&mut self, posture: &[f64]) -> Result<()> {
-        self.movers.body.write_qpos(posture, &mut self.qpos);
-        self.data.set_qpos(&self.qpos)?;
-        Ok(self.data.kinematics()?)
-    }
-
     /// Stops where the engine has just found `contact`, and reads it.
     fn stop(&mut self, t: f64, encounter: Encounter, contact: Contact) -> Result<Ending> {
         self.contact = Some(encounter);
         self.moving.effort.neighbours += self.movers.neighbours(&self.data);
         let at = self.at_touch(t, &encounter);
         self.moving.posture = self.clearance.motion.posture(at);
-        self.place(&self.clearance.motion.posture(at))?;
+        self.movers.body.put(&self.moving.posture, &mut self.data)?;
         Ok(match self.movers.read(&self.data, &contact) {
             Reading::Touch(met) => Ending::Touch(met),
             _ => {

@@ -230,19 +230,16 @@ fn geom_pairs(body: &Body) -> impl Iterator<Item = [usize; 2]> {
 struct Overlaps<'a> {
     body: &'a Body,
     data: Data,
-    qpos: Vec<f64>,
 }
 
 impl<'a> Overlaps<'a> {
     fn new(body: &'a Body) -> Result<Overlaps<'a>> {
-        Ok(Overlaps { body, data: Data::new(body.model.clone())?, qpos: vec![0.0; body.model.nq()] })
+        Ok(Overlaps { body, data: Data::new(body.model.clone())? })
     }
 
     /// The overlapping pairs in a posture, the lesser index first; neighbours are left out.
     fn at(&mut self, posture: &[f64]) -> Result<BTreeSet<[usize; 2]>> {
-        self.body.write_qpos(posture, &mut self.qpos);
-        self.data.set_qpos(&self.qpos)?;
-        self.data.kinematics()?;
+        self.body.put(posture, &mut self.data)?;
         self.data.collision()?;
         let pairs = self.data.contacts().map(|contact| sorted(contact.geoms));
         let apart = |&[a, b]: &[usize; 2]| {

@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::geometry::Shape;
+use crate::geometry::{Shape, wxyz};
 use crate::model_files::{Element, element, exact};
 
 /// Density of what a thing is made of where its mass is not said, kilograms a cubic metre: light wood.
@@ -50,11 +50,10 @@ pub(super) fn touching_geom(name: &str, dimensions: &str, friction: [f64; 3]) ->
 /// The body of a thing as MJCF, and the mesh that it is made of where it is one.
 pub(super) fn described(thing: &Thing) -> Vec<Element> {
     let translation = thing.pose.translation.vector;
-    let turn = thing.pose.rotation.quaternion();
     let pose = [
         ("name", thing.name.clone()),
         ("pos", exact(translation.as_slice())),
-        ("quat", exact(&[turn.w, turn.i, turn.j, turn.k])),
+        ("quat", exact(&wxyz(&thing.pose.rotation))),
     ];
     let mut body = element("body", &pose);
     if !thing.fixed {

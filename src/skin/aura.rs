@@ -8,7 +8,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Skin, Surface};
-use crate::creature::{AuraLimb, Body, Creature, matrix};
+use crate::creature::{AuraLimb, Body, Creature};
 use crate::geometry::{Ball, Capsule, Frame, Shape};
 use crate::mujoco::AURA_GEOM;
 
@@ -62,8 +62,7 @@ fn own_aura_geometries(body: &Body) -> Vec<ProximityGeometry> {
     let geometry = |geom: usize| {
         let info = model.geom(geom);
         let limb = body.limb_of_geom(geom)?;
-        let pose = body.geom_in_limb(&info);
-        let frame = Frame { origin: pose.translation.vector, rotation: matrix(&pose.rotation) };
+        let frame = Frame::from(body.geom_in_limb(&info));
         Some(ProximityGeometry {
             name: info.name?.strip_prefix(AURA_GEOM)?.to_string(),
             aura_limb: body.creature.aura_of(limb)?,

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::{Receptor, Skin, Surface};
 use crate::creature::{Body, matrix, site_name};
-use crate::geometry::Shape;
+use crate::geometry::{Frame, Shape};
 use crate::mujoco::{GeomKind, Model, ObjectKind, Sensor, SensorKind, Site};
 
 /// A box site at least this many times wider than thick is a patch; its z axis is the normal.
@@ -41,9 +41,7 @@ pub fn skin_of(body: &Body) -> Skin {
 /// The surface that a geom is on its limb; none for what no limb is made of.
 pub(crate) fn surface_of_geom(body: &Body, geom: usize) -> Option<Surface> {
     let (limb, shape) = (body.limb_of_geom(geom)?, Shape::of_geom(&body.model, geom)?);
-    let info = body.model.geom(geom);
-    let pose = body.geom_in_limb(&info);
-    let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
+    let Frame { origin, rotation } = body.geom_in_limb(&body.model.geom(geom)).into();
     Some(Surface { limb, origin, rotation, shape, geom })
 }
 

@@ -112,13 +112,10 @@ impl SurfaceGraph<'_> {
         let others = skin.surfaces.iter().enumerate();
         let over: Vec<_> = others
             .filter(|(s, other)| Some(*s) != surface && self.joined.are(limb, other.limb))
-            .map(|(_, other)| (other, self.frames[other.limb], other.shape.bounding_radius()))
+            .map(|(_, other)| (other, self.frames[other.limb]))
             .collect();
         let is_buried = |at: &Vector3<f64>| {
-            over.iter().any(|(other, frame, radius)| {
-                let p_o = frame.inverse_point(at);
-                (p_o - other.origin).norm() < *radius && other.holds(&p_o, BURIED * spacing)
-            })
+            over.iter().any(|(other, frame)| other.holds(&frame.inverse_point(at), BURIED * spacing))
         };
         let on_limb: Vec<usize> =
             (0..skin.receptors.len()).filter(|&r| skin.receptors[r].limb == limb).collect();

@@ -56,8 +56,8 @@ fn a_schema_that_was_never_put_to_the_test_is_not_trusted() {
         let doubt = doubt(&own, ["left_hand", "head"]).expect("nobody put it to the test");
         assert_eq!(doubt, Doubt::Unknown);
         assert!(!doubt.to_string().contains("mm"), "{doubt}");
-        let predicted = own.predict(0, own.creature().limb("head").unwrap(), &own.at_ease());
-        assert_eq!(predicted.covariance, None);
+        let (place, head) = (own.place(0), own.creature().limb("head").unwrap());
+        assert_eq!(own.covariance(&own.at_ease(), [place.limb, head], &place.point), None);
     }
 }
 

@@ -115,7 +115,7 @@ fn the_aura_tells_where_the_nearest_point_of_a_thing_is() {
 fn a_hand_stays_at_its_place_while_the_head_gets_out_of_the_way() {
     let (stage, mut actor, thing) = beside_a_ball();
     let ready = actor.ready();
-    let receptors = actor.own.receptors_on(&actor.own.limbs_called("head").unwrap());
+    let receptors = actor.own.receptors_on(&[actor.own.creature().limb("head").unwrap()]);
     let ahead = |&receptor: &usize| actor.feels_at(receptor).1.x;
     let face = receptors.into_iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).unwrap();
     let place = actor.own.place(actor.hands[0].tip);

@@ -114,12 +114,9 @@ fn same_receptors(a: &Skin, b: &Skin) {
 fn same_motion(copy: &Body, schema: &BodySchema) {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut data = Data::new(copy.model.clone()).unwrap();
-    let mut qpos = vec![0.0; copy.model.qpos0().len()];
     for _ in 0..50 {
         let posture = Posture::random(&copy.creature, &mut rng);
-        copy.write_qpos(&posture, &mut qpos);
-        data.set_qpos(&qpos).unwrap();
-        data.kinematics().unwrap();
+        copy.put(&posture, &mut data).unwrap();
         let root = data.body_pose(copy.root);
         for (limb, frame) in limb_frames(&copy.creature, schema, &posture).iter().enumerate() {
             let pose = root.inv_mul(&copy.limb_pose(&data, limb).unwrap());

@@ -92,13 +92,16 @@ fn a_receptor_is_predicted_where_the_engine_has_it() {
     let (hand, head) = (own.creature().limb("left_hand").unwrap(), own.creature().limb("head").unwrap());
     for receptor in own.receptors_on(&[hand]) {
         let posture = Posture::random(own.creature(), &mut rng);
-        let predicted = own.predict(receptor, head, &posture);
         take(&body, &mut data, &posture);
         let frames = body.limb_frames(&data);
         let place = own.place(receptor);
-        let true_point = frames[head].inverse_point(&frames[hand].point(&place.point));
-        assert!((predicted.point - true_point).norm() < ROUNDING);
-        let deviation = predicted.covariance.expect("300 touches bound it").trace().sqrt();
+        let seen = |frames: &[Frame]| frames[head].inverse_point(&frames[hand].point(&place.point));
+        assert!((seen(&own.frames(&posture)) - seen(&frames)).norm() < ROUNDING);
+        let deviation = own
+            .covariance(&posture, [hand, head], &place.point)
+            .expect("300 touches bound it")
+            .trace()
+            .sqrt();
         assert!(deviation > 0.0 && deviation < 1e-3, "{deviation}");
     }
     // With five touches nothing is bounded, and he says what he lacks.

@@ -74,8 +74,7 @@ impl<'a> DynamicMotion<'a> {
     pub fn new(movers: &'a Movers<'a>, servo: &'a Servo) -> Result<DynamicMotion<'a>> {
         let model = &movers.body.model;
         let levels = servo.levels.iter().map(|model| Data::new(model.clone())).collect::<Result<_, _>>()?;
-        let mut held = vec![0.0; model.nq()];
-        movers.body.write_qpos(&movers.start, &mut held);
+        let held = movers.body.qpos(&movers.start);
         Ok(DynamicMotion {
             movers,
             servo,
@@ -236,9 +235,7 @@ impl Motion for DynamicMotion<'_> {
         }
         self.moving.posture = body.read_posture(&self.state.qpos);
         let target = self.moving.begin(body, target);
-        let mut qpos = self.held.clone();
-        body.write_qpos(&target, &mut qpos);
-        let path = self.servo.path(&self.state.qpos, &qpos, self.state.time);
+        let path = self.servo.path(&self.state.qpos, &body.qpos(&target), self.state.time);
         let latest = path.end() + GRACE;
         let mut goes_on = |of: &Self| of.state.time < latest && !of.has_arrived(&path);
         let ending = match self.run(0, &path, &mut goes_on)? {

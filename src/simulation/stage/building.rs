@@ -63,8 +63,7 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Error> {
     // What is in each other where the creature stands at ease is so for good.
     let mut with_self_touch = Data::new(body.model.clone())?;
     let mut qpos = declared.qpos0().to_vec();
-    let mut own = vec![0.0; declared.nq()];
-    body.write_qpos(&posture, &mut own);
+    let own = body.qpos(&posture);
     qpos.iter_mut().zip(&own).zip(&own_qpos).filter(|(_, own)| **own).for_each(|((q, own), _)| *q = *own);
     let mut qvel = vec![0.0; declared.nv()];
     let mut waiting = Vec::new();

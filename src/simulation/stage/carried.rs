@@ -1,8 +1,9 @@
 //! A thing that does not move by itself, and what carries it.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::creature::Body;
+use crate::geometry::wxyz;
 use crate::mujoco::Data;
 use crate::simulation::ProbePath;
 
@@ -68,9 +69,8 @@ impl Carried {
     /// Puts it to a pose `X_WT`, at a velocity.
     pub fn put_at(&self, pose: &Isometry3<f64>, velocity: &Vector3<f64>, qpos: &mut [f64], qvel: &mut [f64]) {
         let (q, v) = (self.qposadr, self.dofadr);
-        let turn: &Quaternion<f64> = pose.rotation.quaternion();
         qpos[q..q + 3].copy_from_slice(pose.translation.vector.as_slice());
-        qpos[q + 3..q + 7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+        qpos[q + 3..q + 7].copy_from_slice(&wxyz(&pose.rotation));
         qvel[v..v + 3].copy_from_slice(velocity.as_slice());
         qvel[v + 3..v + 6].fill(0.0);
     }

@@ -278,8 +278,7 @@ impl StageCore {
 
     /// The engine's coordinates with the creature in a posture and all else as it is.
     fn qpos_with(&self, posture: &[f64]) -> Vec<f64> {
-        let mut qpos = vec![0.0; self.body.model.nq()];
-        self.body.write_qpos(posture, &mut qpos);
+        let mut qpos = self.body.qpos(posture);
         for ((q, present), own) in qpos.iter_mut().zip(self.data.qpos()).zip(&self.own_qpos) {
             if !own {
                 *q = *present;

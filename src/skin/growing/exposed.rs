@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Vector3};
 
-use crate::creature::{Body, UNLIMITED_SLIDE, matrix};
+use crate::creature::{Body, UNLIMITED_SLIDE};
 use crate::error::Result;
-use crate::geometry::{Shape, SurfaceSample};
+use crate::geometry::{Frame, Shape, SurfaceSample};
 use crate::mujoco::{Data, JointKind};
 use crate::skin::Surface;
 
@@ -18,27 +18,10 @@ use crate::skin::Surface;
 /// smaller ones less in proportion.
 const BURIED: f64 = 5e-4;
 
-/// A geom's surface in the world's frame.
-struct Placed {
-    surface: Surface,
-    /// No point of it is farther from its origin, metres squared.
-    reach_squared: f64,
-}
-
-impl Placed {
-    /// Whether a point is deeper inside than `depth`, metres. Of the thousand limbs that a hub may carry most are far
-    /// away, and are not asked.
-    fn holds(&self, point: &Vector3<f64>, depth: f64) -> bool {
-        (point - self.surface.origin).norm_squared() <= self.reach_squared && self.surface.holds(point, depth)
-    }
-}
-
 /// A creature's geoms that can be touched, where they are.
 pub struct Exposure {
-    /// Per posture of the slides, the reference posture first, and per geom, its surface.
-    placed: Vec<Vec<Option<Placed>>>,
-    /// The same as shapes' poses, to carry points from one posture to another.
-    poses: Vec<Vec<Isometry3<f64>>>,
+    /// Per posture of the slides, the reference posture first, and per geom, its surface in the world's frame.
+    placed: Vec<Vec<Option<Surface>>>,
     /// Per geom, the others that can bury it.
     over: Vec<Vec<usize>>,
     /// Poses of the bodies in the reference posture.
@@ -55,26 +38,21 @@ impl Exposure {
     pub fn new(body: &Body) -> Result<Exposure> {
         let model = &body.model;
         let mut data = Data::new(model.clone())?;
-        let (mut placed, mut poses, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut placed, mut bodies) = (Vec::new(), Vec::new());
         for qpos in postures(body) {
             data.set_qpos(&qpos)?;
             data.kinematics()?;
-            let of_geoms: Vec<Isometry3<f64>> = (0..model.ngeom()).map(|g| data.geom_pose(g)).collect();
             let place = |g: usize| {
                 // What the world itself is made of is no limb.
                 let on_limb = body.feels(g);
                 let shape = Shape::of_geom(model, g).filter(|shape| on_limb && shape.is_solid())?;
-                let pose = &of_geoms[g];
-                let (origin, rotation) = (pose.translation.vector, matrix(&pose.rotation));
-                let reach_squared = shape.bounding_radius().powi(2);
-                let surface = Surface { limb: 0, origin, rotation, shape, geom: g };
-                Some(Placed { surface, reach_squared })
+                let Frame { origin, rotation } = data.geom_pose(g).into();
+                Some(Surface { limb: 0, origin, rotation, shape, geom: g })
             };
             placed.push((0..model.ngeom()).map(place).collect::<Vec<_>>());
             if bodies.is_empty() {
                 bodies = (0..model.nbody()).map(|b| data.body_pose(b)).collect();
             }
-            poses.push(of_geoms);
         }
         let touchable = |g: usize| placed[0][g].is_some();
         let carriers = carriers(body, touchable);
@@ -90,8 +68,8 @@ impl Exposure {
             (0..model.ngeom()).filter(|&o| o != g && touchable(o) && overlap_for_good(g, o)).collect()
         };
         let over = (0..model.ngeom()).map(over).collect();
-        let size = size(placed[0].iter().flatten().map(|placed| &placed.surface));
-        Ok(Exposure { placed, poses, over, bodies, size })
+        let size = size(placed[0].iter().flatten());
+        Ok(Exposure { placed, over, bodies, size })
     }
 
     /// The geoms that can be touched.
@@ -101,7 +79,7 @@ impl Exposure {
 
     /// A geom in the reference posture, in the world's frame.
     pub fn surface(&self, geom: usize) -> Option<&Surface> {
-        self.placed[0][geom].as_ref().map(|placed| &placed.surface)
+        self.placed[0][geom].as_ref()
     }
 
     /// The pose of a body in the reference posture.
@@ -126,15 +104,13 @@ impl Exposure {
     /// Whether a point of a geom, given in the world's frame of the reference posture, can be touched.
     pub fn is_exposed(&self, geom: usize, point: &Vector3<f64>) -> bool {
         let depth = BURIED * self.size.min(1.0);
-        self.placed.iter().zip(&self.poses).enumerate().any(|(k, (placed, poses))| {
-            let moved = if k == 0 {
-                *point
-            } else {
-                (poses[geom] * self.poses[0][geom].inverse_transform_point(&(*point).into())).coords
-            };
-            !self.over[geom]
-                .iter()
-                .any(|&other| placed[other].as_ref().is_some_and(|placed| placed.holds(&moved, depth)))
+        let pose = |placed: &[Option<Surface>]| placed[geom].as_ref().map(Surface::pose);
+        let Some(reference) = pose(&self.placed[0]) else { return false };
+        self.placed.iter().enumerate().any(|(k, placed)| {
+            let moved = |there: Frame| there.point(&reference.inverse_point(point));
+            let point = pose(placed).filter(|_| k > 0).map_or(*point, moved);
+            let holds = |&other: &usize| placed[other].as_ref().is_some_and(|s| s.holds(&point, depth));
+            !self.over[geom].iter().any(holds)
         })
     }
 }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::auras::add_auras;
-use super::{GrowOptions, Sprout, sprouts, wxyz};
+use super::{GrowOptions, Sprout, sprouts};
 use crate::creature::{Body, JointSelection, body_name, joint_name};
 use crate::error::Error;
-use crate::geometry::Shape;
+use crate::geometry::{Shape, wxyz};
 use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::from_model::{skin_of, touch_sites};

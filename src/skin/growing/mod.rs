@@ -19,7 +19,7 @@ mod patch_size;
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Point3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 use super::from_model::skin_of;
@@ -294,10 +294,4 @@ impl Ids<'_> {
             }
         }
     }
-}
-
-/// A patch's orientation as MuJoCo's quaternion.
-fn wxyz(orientation: &UnitQuaternion<f64>) -> [f64; 4] {
-    let q = orientation.quaternion();
-    [q.w, q.i, q.j, q.k]
 }

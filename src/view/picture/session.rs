@@ -66,8 +66,7 @@ impl<'a> SessionDrawing<'a> {
 
     /// The body in a posture.
     pub fn posture(&self, posture: &[f64]) -> Shot {
-        let mut qpos = vec![0.0; self.body.model.nq()];
-        self.body.write_qpos(posture, &mut qpos);
+        let qpos = self.body.qpos(posture);
         let copies = self.schema.as_ref().map_or(Vec::new(), |schema| self.learned(schema, posture));
         Shot { qpos, copies, ..Shot::default() }
     }

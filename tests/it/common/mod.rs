@@ -60,10 +60,7 @@ pub fn truth(body: &Body) -> BodySchema {
 
 /// Puts a body into a posture and computes its poses and contacts.
 pub fn take(body: &Body, data: &mut Data, posture: &[f64]) {
-    let mut qpos = vec![0.0; body.model.nq()];
-    body.write_qpos(posture, &mut qpos);
-    data.set_qpos(&qpos).unwrap();
-    data.kinematics().unwrap();
+    body.put(posture, data).unwrap();
     data.collision().unwrap();
 }
 
