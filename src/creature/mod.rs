@@ -18,7 +18,7 @@ pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
 pub use coupling::Coupling;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limb_bodies, limits, matrix, span};
-pub(crate) use names::{body_name, joint_name, site_name};
+pub(crate) use names::{body_name, free_name, joint_name, site_name};
 pub use posture::{DofElement, Posture, ball, turn_ball};
 pub(crate) use selection::largest;
 pub use selection::{CreatureInFile, JointSelection, creatures};
@@ -142,7 +142,7 @@ pub struct AuraLimb {
 ///
 /// Limb 0 is the root; joint i carries limb i + 1, and every limb comes after its parent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Parts", into = "Parts")]
+#[serde(try_from = "Parts")]
 pub struct Creature(Parts);
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -153,12 +153,6 @@ struct Parts {
     joints: Vec<Joint>,
     #[serde(default)]
     aura_limbs: Vec<AuraLimb>,
-}
-
-impl From<Creature> for Parts {
-    fn from(creature: Creature) -> Parts {
-        creature.0
-    }
 }
 
 /// The error for a model in which nothing can move.
@@ -247,7 +241,7 @@ impl Creature {
             let ranges: Vec<Option<[f64; 2]>> = elements
                 .iter()
                 .map(|element| {
-                    let single = element.dof().kind != DofKind::Ball && element.dof().follows.is_none();
+                    let single = element.kind != DofKind::Ball && element.follows.is_none();
                     let visited = postures.clone().map(|posture| element.of(posture)[0]);
                     let none = [f64::INFINITY, f64::NEG_INFINITY];
                     let [low, high] = visited.fold(none, |[low, high], at| [low.min(at), high.max(at)]);

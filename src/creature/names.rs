@@ -21,7 +21,7 @@ pub(crate) fn site_name(model: &Model, site: usize) -> String {
 }
 
 /// A name with underscores behind it where one of a kind has it in the model.
-pub(super) fn free_name(model: &Model, kind: ObjectKind, mut name: String) -> String {
+pub(crate) fn free_name(model: &Model, kind: ObjectKind, mut name: String) -> String {
     while model.id(kind, &name).is_some() {
         name.push('_');
     }

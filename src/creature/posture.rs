@@ -28,11 +28,6 @@ impl<'a> DofElement<'a> {
         DofElement { dof, axis, coordinate }
     }
 
-    /// The degree of freedom.
-    pub fn dof(&self) -> &'a Dof {
-        self.dof
-    }
-
     /// Index of its axis among the axes of all joints.
     pub fn axis(&self) -> usize {
         self.axis

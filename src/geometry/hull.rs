@@ -22,7 +22,6 @@ pub struct Hull {
     polyhedron: Polyhedron,
     /// Per triangle, its outward unit normal and how far it is from the origin along it.
     planes: Vec<(Vector3<f64>, f64)>,
-    areas: Vec<f64>,
     /// Half the sides of the box about the hull whose middle is the origin.
     half_bounds: Vector3<f64>,
     farthest: FarthestPoint,
@@ -65,7 +64,6 @@ impl Hull {
             farthest: FarthestPoint::new(vertices.clone()),
             polyhedron: Polyhedron { vertices, triangles: Vec::new() },
             planes: Vec::new(),
-            areas: Vec::new(),
         };
         let mut sum = Vector3::zeros();
         for [i, j, k] in triangles {
@@ -77,11 +75,9 @@ impl Hull {
             if outward.dot(&hull.support(&outward)) - offset > BEYOND * size {
                 continue;
             }
-            let area = 0.5 * cross.norm();
-            sum += outward * area;
+            sum += outward * (0.5 * cross.norm());
             hull.polyhedron.triangles.push(if outward == normal { [i, j, k] } else { [i, k, j] });
             hull.planes.push((outward, offset));
-            hull.areas.push(area);
         }
         let thick = hull.inradius() > BEYOND * size;
         (thick && sum.norm() <= OPEN * hull.area()).then_some(hull)
@@ -95,7 +91,6 @@ impl Hull {
             farthest: FarthestPoint::new(vertices.clone()),
             polyhedron: Polyhedron { vertices, triangles: self.triangles().to_vec() },
             planes: self.planes.iter().map(|(normal, offset)| (*normal, offset * by)).collect(),
-            areas: self.areas.iter().map(|area| area * by * by).collect(),
         }
     }
 
@@ -111,8 +106,10 @@ impl Hull {
 
     /// Per face, its corners, outward unit normal and area in m².
     pub(super) fn faces(&self) -> impl Iterator<Item = ([Vector3<f64>; 3], Vector3<f64>, f64)> {
-        let faces = self.triangles().iter().zip(&self.planes).zip(&self.areas);
-        faces.map(|((corners, plane), area)| (corners.map(|v| self.vertices()[v]), plane.0, *area))
+        self.triangles().iter().zip(&self.planes).map(|(corners, plane)| {
+            let [a, b, c] = corners.map(|v| self.vertices()[v]);
+            ([a, b, c], plane.0, 0.5 * (b - a).cross(&(c - a)).norm())
+        })
     }
 
     /// The corner that is farthest in a direction of any length, metres.
@@ -122,7 +119,7 @@ impl Hull {
 
     /// The area of the surface, m².
     pub fn area(&self) -> f64 {
-        self.areas.iter().sum()
+        self.faces().map(|(.., area)| area).sum()
     }
 
     /// How far the middle of the corners is from the surface: the radius of a ball inside.

@@ -1,7 +1,7 @@
 //! Inverse kinematics: postures in which two places of the body meet, by the schema that is believed.
 //!
-//! The two points are to coincide, and weakly a direction at one is to be opposed to one at the other, or parallel to it;
-//! or all of one limb is to be turned as another. What freedom is left may draw the posture towards a rest posture (Liégeois
+//! The two points are to coincide, and weakly a direction at one is to be parallel to one at the other; or all of one limb is
+//! to be turned as another. What freedom is left may draw the posture towards a rest posture (Liégeois
 //! 1977).
 
 use nalgebra::{Matrix3, Vector3, Vector6};
@@ -26,17 +26,6 @@ const DAMPING: Damping = Damping { damping: 0.01, longest: 0.4 };
 /// The share of the way to the rest posture that is left free and gone in one step.
 const EASE: f64 = 0.2;
 
-/// How the directions at the two places are to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Facing {
-    /// Against each other, as the normals of two surfaces that touch.
-    Opposed,
-    /// The same.
-    Parallel,
-    /// Frames that are fixed to the two limbs at the places are turned the same.
-    Turned([Matrix3<f64>; 2]),
-}
-
 /// A posture that brings two places together, as far as it can.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
@@ -44,8 +33,7 @@ pub struct Reach {
     pub posture: Posture,
     /// How far apart the two points stay, metres.
     pub miss: f64,
-    /// Cosine between the two directions, −1 where they are opposed; of the angle between frames that are to be turned
-    /// the same.
+    /// Cosine between the two directions, or of the angle between frames that are to be turned the same.
     pub facing: f64,
 }
 
@@ -62,7 +50,7 @@ pub struct InverseKinematics<'a> {
     creature: &'a Creature,
     schema: &'a BodySchema,
     ends: [Place; 2],
-    facing: Facing,
+    turned: Option<[Matrix3<f64>; 2]>,
     direction_lengths: [f64; 2],
     steps: [usize; 2],
     /// Per joint, whether it moves.
@@ -77,7 +65,7 @@ impl<'a> InverseKinematics<'a> {
             creature,
             schema,
             ends,
-            facing: Facing::Opposed,
+            turned: None,
             direction_lengths: [DIRECTION_LENGTH, LAST_DIRECTION_LENGTH],
             steps: STEPS,
             moves: vec![true; creature.joints().len()],
@@ -85,9 +73,9 @@ impl<'a> InverseKinematics<'a> {
         }
     }
 
-    /// How the directions are to be; opposed unless given.
-    pub fn with_facing(mut self, facing: Facing) -> Self {
-        self.facing = facing;
+    /// Has frames that are fixed to the two limbs at the places turned the same, in place of directions.
+    pub fn turned(mut self, frames: [Matrix3<f64>; 2]) -> Self {
+        self.turned = Some(frames);
         self
     }
 
@@ -128,9 +116,9 @@ impl<'a> InverseKinematics<'a> {
                 let limbs = chain.place(&q, &mut workspace);
                 let (miss, tilt) = (self.miss(&limbs), self.tilt(&limbs) * length);
                 // With directions that matter in the end, only a step that no longer moves is the last.
-                let done = match self.facing {
-                    Facing::Turned(_) => miss.norm().max(tilt.norm()) < EXACT,
-                    _ => miss.norm() < 0.05 * REACHED && tilt.norm() < 0.5 * REACHED.max(length),
+                let done = match self.turned {
+                    Some(_) => miss.norm().max(tilt.norm()) < EXACT,
+                    None => miss.norm() < 0.05 * REACHED && tilt.norm() < 0.5 * REACHED.max(length),
                 };
                 if done && round == last && ease.is_none() {
                     break;
@@ -144,12 +132,9 @@ impl<'a> InverseKinematics<'a> {
                 chain.step(
                     &mut q,
                     |column| {
-                        let tilts = match self.facing {
-                            Facing::Turned(_) => column.turns,
-                            Facing::Parallel => column.turns.cross(&directions[column.side]),
-                            // Of a sum of directions both sides' turns count alike.
-                            Facing::Opposed if column.side == 0 => column.turns.cross(&directions[0]),
-                            Facing::Opposed => directions[1].cross(&column.turns),
+                        let tilts = match self.turned {
+                            Some(_) => column.turns,
+                            None => column.turns.cross(&directions[column.side]),
                         };
                         let mut row = Vector6::zeros();
                         row.fixed_rows_mut::<3>(0).copy_from(&column.moves);
@@ -165,9 +150,9 @@ impl<'a> InverseKinematics<'a> {
         }
         let limbs = chain.place(&q, &mut workspace);
         let directions = self.directions(&limbs);
-        let facing = match self.facing {
-            Facing::Turned(_) => self.tilt(&limbs).norm().cos(),
-            _ => directions[0].dot(&directions[1]),
+        let facing = match self.turned {
+            Some(_) => self.tilt(&limbs).norm().cos(),
+            None => directions[0].dot(&directions[1]),
         };
         let mut posture = Posture::from(start);
         chain.put_into(q, &mut posture);
@@ -188,10 +173,9 @@ impl<'a> InverseKinematics<'a> {
     /// How far directions, or turns, are from what they are to be.
     fn tilt(&self, limbs: &[Frame; 2]) -> Vector3<f64> {
         let directions = self.directions(limbs);
-        match self.facing {
-            Facing::Opposed => directions[0] + directions[1],
-            Facing::Parallel => directions[0] - directions[1],
-            Facing::Turned(frames) => {
+        match self.turned {
+            None => directions[0] - directions[1],
+            Some(frames) => {
                 let [first, second] = [0, 1].map(|k| limbs[k].rotation * frames[k]);
                 // By a quaternion: rounding must not take the cosine of a small angle beyond 1.
                 let rotation = product(&first, &second.transpose());

@@ -26,6 +26,13 @@ pub struct Place {
     pub direction: Vector3<f64>,
 }
 
+impl Place {
+    /// The same as seen from what faces it: its direction reversed.
+    pub fn reversed(self) -> Place {
+        Place { direction: -self.direction, ..self }
+    }
+}
+
 /// One degree of freedom of a chain.
 #[derive(Clone, Debug)]
 struct Link {
@@ -121,7 +128,7 @@ impl PlaceChain {
                 let joint = &creature.joints()[j];
                 tail.origin += tail.direction(&schema.positions[j]);
                 for element in joint.elements() {
-                    let (dof, index) = (element.dof(), element.axis());
+                    let (dof, index) = (&*element, element.axis());
                     let axis = &schema.axes[index];
                     let leader = dof.follows.map(|coupling| coupling.leader);
                     if moves(j) && dof.range[1] > dof.range[0] && leader.is_none_or(leads) {

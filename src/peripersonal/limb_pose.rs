@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::own_body::OwnBody;
 use crate::creature::Posture;
 use crate::geometry::Frame;
-use crate::kinematics::{Facing, InverseKinematics, Place};
+use crate::kinematics::{InverseKinematics, Place};
 
 /// Length that a radian of the limb's turn counts as, metres: half a hand's.
 const TURN_LENGTH: f64 = 0.08;
@@ -46,7 +46,7 @@ pub fn limb_posture(
     let at = |limb: usize, frame: &Frame| Place { limb, point: frame.origin, direction: Vector3::zeros() };
     let ends = [at(goal.limb, &goal.place), at(0, &goal.target)];
     let mut solver = InverseKinematics::new(own.creature(), &own.schema, ends)
-        .with_facing(Facing::Turned([goal.place.rotation, goal.target.rotation]))
+        .turned([goal.place.rotation, goal.target.rotation])
         .with_direction_lengths([TURN_LENGTH; 2])
         .with_steps([0, steps])
         .moving(|joint| joints.contains(&joint));

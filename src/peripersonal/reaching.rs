@@ -9,7 +9,7 @@ use super::own_body::{Doubt, OwnBody};
 use super::path::{PosturePath, distance, find_path, straight as straight_to};
 use crate::creature::Posture;
 use crate::geometry::Frame;
-use crate::kinematics::{Facing, InverseKinematics, Place, REACHED, Reach};
+use crate::kinematics::{InverseKinematics, Place, REACHED, Reach};
 use crate::skin::Surface;
 
 /// From how far a place is approached straight, metres.
@@ -143,7 +143,6 @@ impl<'a> Reaching<'a> {
     fn solver(&self, place: Place, aim: &ReachTarget, at_ease: &[f64]) -> InverseKinematics<'a> {
         let ends = [place, Place { limb: 0, point: aim.point, direction: aim.direction }];
         InverseKinematics::new(self.own.creature(), &self.own.schema, ends)
-            .with_facing(Facing::Parallel)
             .moving(|joint| self.joints.contains(&joint))
             .at_ease(at_ease)
     }

@@ -77,7 +77,7 @@ pub struct SearchedMap {
     /// The same of the last motion alone.
     lately: Vec<f64>,
     /// Per cell, whether some posture brings skin low enough to it.
-    reached: Vec<bool>,
+    pub reached: Vec<bool>,
 }
 
 /// A cell of a [`SearchedMap`].
@@ -159,16 +159,6 @@ impl SearchedMap {
     /// The height over the table above which there is nothing in a cell, metres; infinite where no skin has passed.
     pub fn passed(&self, cell: Cell) -> f64 {
         self.passed[cell]
-    }
-
-    /// Skin can be brought low enough to a cell.
-    pub fn can_reach(&mut self, cell: Cell) {
-        self.reached[cell] = true;
-    }
-
-    /// Whether skin can be brought low enough to a cell.
-    pub fn reaches(&self, cell: Cell) -> bool {
-        self.reached[cell]
     }
 
     /// The cells that can be reached.

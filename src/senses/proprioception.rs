@@ -106,8 +106,8 @@ impl Proprioception {
     pub fn new(body: &Body, noise: ChaCha8Rng) -> Result<Proprioception> {
         let dofs = joint_sensors(body).into_iter().zip(body.creature.elements());
         let channels = dofs.filter_map(|(sensor, at)| {
-            let (coordinate, dof) = (at.coordinate(), at.dof());
-            Some(Channel { coordinate, qpos: body.qpos_address(coordinate), kind: dof.kind, sensor: sensor? })
+            let coordinate = at.coordinate();
+            Some(Channel { coordinate, qpos: body.qpos_address(coordinate), kind: at.kind, sensor: sensor? })
         });
         let (channels, data) = (channels.collect(), Data::new(body.model.clone())?);
         Ok(Proprioception { channels, data, noise, last: None, felt: Posture::default() })

@@ -76,12 +76,12 @@ impl SelfContact {
     /// # Errors
     /// Where the engine fails.
     pub fn new(body: &Body) -> Result<SelfContact> {
-        let mut overlaps = Overlaps::new(body)?;
+        let mut data = Data::new(body.model.clone())?;
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut postures = vec![Posture::start(&body.creature)];
         postures.extend((0..POSTURES).map(|_| Posture::random(&body.creature, &mut rng)));
         let seen: Vec<BTreeSet<[usize; 2]>> =
-            postures.iter().map(|posture| overlaps.at(posture)).collect::<Result<_, _>>()?;
+            postures.iter().map(|posture| overlapping(body, &mut data, posture)).collect::<Result<_, _>>()?;
         let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         seen[1..].iter().flatten().for_each(|&pair| *counts.entry(pair).or_default() += 1);
         let share = |pair: &[usize; 2]| counts.get(pair).map_or(0.0, |&n| n as f64 / POSTURES as f64);
@@ -93,8 +93,7 @@ impl SelfContact {
         let tangled = |posture: &BTreeSet<[usize; 2]>, below: f64| {
             posture.iter().filter(|pair| share(pair) < below && !excluded.contains(*pair)).count()
         };
-        let untangled =
-            untangled(body, &mut overlaps, (&postures[0], &seen[0]), |seen| tangled(seen, SELDOM))?;
+        let untangled = untangled(body, &mut data, (&postures[0], &seen[0]), |seen| tangled(seen, SELDOM))?;
         let (start, met_at_start) = untangled.unwrap_or_else(|| {
             let chosen = (0..seen.len()).min_by_key(|&k| tangled(&seen[k], ALWAYS)).unwrap_or(0);
             (postures.swap_remove(chosen), seen[chosen].clone())
@@ -149,12 +148,12 @@ impl SelfContact {
 /// leaves least. Few joints away from the reference posture leave most of a body's joints at rest.
 fn untangled(
     body: &Body,
-    overlaps: &mut Overlaps,
-    (from, overlapping): (&Posture, &BTreeSet<[usize; 2]>),
+    data: &mut Data,
+    (from, overlaps): (&Posture, &BTreeSet<[usize; 2]>),
     tangled: impl Fn(&BTreeSet<[usize; 2]>) -> usize,
 ) -> Result<Option<(Posture, BTreeSet<[usize; 2]>)>> {
     let creature = &body.creature;
-    let (mut best, mut seen) = (from.clone(), overlapping.clone());
+    let (mut best, mut seen) = (from.clone(), overlaps.clone());
     while tangled(&seen) > 0 {
         let between: BTreeSet<usize> = seen
             .iter()
@@ -173,7 +172,7 @@ fn untangled(
                         let now = posture[at.coordinate()];
                         posture[at.coordinate()] = now + share * (end - now);
                         creature.couple(&mut posture);
-                        let left = overlaps.at(&posture)?;
+                        let left = overlapping(body, data, &posture)?;
                         let tangles = tangled(&left);
                         if tangles < least {
                             least = tangles;
@@ -226,26 +225,15 @@ fn geom_pairs(body: &Body) -> impl Iterator<Item = [usize; 2]> {
     all.filter(|&[a, b]| body.limb_of_geom(a) != body.limb_of_geom(b))
 }
 
-/// Which geoms of different limbs overlap, by the engine.
-struct Overlaps<'a> {
-    body: &'a Body,
-    data: Data,
-}
-
-impl<'a> Overlaps<'a> {
-    fn new(body: &'a Body) -> Result<Overlaps<'a>> {
-        Ok(Overlaps { body, data: Data::new(body.model.clone())? })
-    }
-
-    /// The overlapping pairs in a posture, the lesser index first; neighbours are left out.
-    fn at(&mut self, posture: &[f64]) -> Result<BTreeSet<[usize; 2]>> {
-        self.body.put(posture, &mut self.data)?;
-        self.data.collision()?;
-        let pairs = self.data.contacts().map(|contact| sorted(contact.geoms));
-        let apart = |&[a, b]: &[usize; 2]| {
-            let [first, second] = limb_pair(self.body, a, b);
-            !self.body.creature.neighbouring(first, second)
-        };
-        Ok(pairs.filter(apart).collect())
-    }
+/// The pairs of geoms of different limbs that overlap in a posture by the engine, the lesser index first; neighbours are left
+/// out.
+fn overlapping(body: &Body, data: &mut Data, posture: &[f64]) -> Result<BTreeSet<[usize; 2]>> {
+    body.put(posture, data)?;
+    data.collision()?;
+    let pairs = data.contacts().map(|contact| sorted(contact.geoms));
+    let apart = |&[a, b]: &[usize; 2]| {
+        let [first, second] = limb_pair(body, a, b);
+        !body.creature.neighbouring(first, second)
+    };
+    Ok(pairs.filter(apart).collect())
 }

@@ -188,7 +188,7 @@ fn what_a_hand_holds_alarms_neither_it_nor_what_moves_with_it_but_what_it_is_bro
     let chest = creature.limb("thoracic3").unwrap();
     let breast =
         handle.agent().skin().receptors.iter().find(|r| r.limb == chest && r.normal.x > 0.8).unwrap();
-    let places = [found.place(0.06), breast.place(0.0)];
+    let places = [found.place(0.06), breast.place(0.0).reversed()];
     let now = handle.posture();
     let schema = truth(&max("torso"));
     let reach = InverseKinematics::new(&creature, &schema, places).at_ease(&now).solve(&now);

@@ -4,7 +4,7 @@ use crate::common::{babble, creature, max, own_body, take, truth, two_arms};
 use bodyschema::agent::Agent;
 use bodyschema::creature::Posture;
 use bodyschema::geometry::{Capsule, Frame, Precision, gap};
-use bodyschema::kinematics::{Facing, InverseKinematics, Place, REACHED};
+use bodyschema::kinematics::{InverseKinematics, Place, REACHED};
 use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Data;
 use bodyschema::peripersonal::{
@@ -41,7 +41,8 @@ fn postures_found_by_inverse_kinematics_bring_the_receptors_together_within_the_
     for _ in 0..40 {
         let start = Posture::random(creature, &mut rng);
         for receptors in [[0, 1], [0, 2], [1, 2]] {
-            let ends = receptors.map(|r| skin.receptors[r].place(0.0));
+            let [first, second] = receptors.map(|r| skin.receptors[r].place(0.0));
+            let ends = [first, second.reversed()];
             let reach = InverseKinematics::new(creature, &schema, ends).solve(&start);
             for (dof, angle) in creature.dofs().zip(&reach.posture) {
                 assert!((dof.range[0]..=dof.range[1]).contains(angle), "{angle} of {:?}", dof.range);
@@ -70,7 +71,6 @@ fn what_is_held_still_stays_and_directions_are_as_asked() {
     let point = frames[hand].point(&place.point) + Vector3::new(0.15, 0.0, 0.1);
     let target = Place { limb: 0, point, direction: Vector3::x() };
     let solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
-        .with_facing(Facing::Parallel)
         .with_direction_lengths([0.05, 0.05])
         .moving(|joint| arm.contains(&joint));
     let reach = solver.solve(&start);

@@ -13,7 +13,7 @@ use super::{Avoiding, PlaceGoal, QUICK};
 use crate::creature::Posture;
 use crate::geometry::Frame;
 use crate::interaction::actor::Actor;
-use crate::kinematics::{Facing, InverseKinematics, Place};
+use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{CollisionChecker, Obstacle, OwnBody, distance};
 use crate::senses::Approach;
 
@@ -142,7 +142,6 @@ impl Search<'_> {
         let target = Place { limb: 0, point: goal.point, direction: Vector3::zeros() };
         let place = Place { direction: Vector3::zeros(), ..goal.place };
         let solver = InverseKinematics::new(self.own.creature(), &self.own.schema, [place, target])
-            .with_facing(Facing::Parallel)
             .moving(|joint| joints.contains(&joint));
         let reach = solver.solve(&posture);
         (reach.miss < AT_GOAL).then_some(reach.posture)
@@ -344,7 +343,6 @@ fn pushes(
                 passed + (aside * angle.cos() + other * angle.sin()) * (course.radius + WANTED + length);
             let target = Place { limb: 0, point, direction: Vector3::zeros() };
             let solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
-                .with_facing(Facing::Parallel)
                 .moving(|joint| joints.contains(&joint))
                 .at_ease(start);
             postures.push(solver.solve(start).posture);

@@ -7,7 +7,7 @@ use super::putting::Spot;
 use crate::creature::Posture;
 use crate::geometry::{Ball, Capsule};
 use crate::interaction::actor::{Actor, CAREFUL, SWIFT};
-use crate::kinematics::{Facing, InverseKinematics, Place, REACHED};
+use crate::kinematics::{InverseKinematics, Place, REACHED};
 use crate::peripersonal::{Obstacle, OutOfReach, OwnBody, PosturePath, distance};
 use crate::senses::{SkinContact, Toucher};
 
@@ -240,7 +240,6 @@ impl Actor {
 /// Postures, moving some joints, in which a place of the body is at a target and keeps upright.
 pub(super) fn upright_at<'a>(own: &'a OwnBody, joints: &[usize], ends: [Place; 2]) -> InverseKinematics<'a> {
     InverseKinematics::new(own.creature(), &own.schema, ends)
-        .with_facing(Facing::Parallel)
         .with_direction_lengths(UPRIGHT)
         .moving(|joint| joints.contains(&joint))
 }

@@ -10,7 +10,7 @@ use super::Trouble;
 use crate::creature::Posture;
 use crate::geometry::Frame;
 use crate::interaction::actor::{Actor, FoundThing, SWIFT, Stop};
-use crate::kinematics::{Facing, InverseKinematics, Place};
+use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{FeltPose, FeltSurface, Obstacle, PosturePath};
 use crate::senses::SkinContact;
 
@@ -148,7 +148,6 @@ impl Actor {
     ) -> Posture {
         let ends = [place, Place { limb: 0, point, direction }];
         InverseKinematics::new(self.own.creature(), &self.own.schema, ends)
-            .with_facing(Facing::Parallel)
             .with_direction_lengths([DIRECTION_LENGTH; 2])
             .moving(|joint| joints.contains(&joint))
             .solve(near)

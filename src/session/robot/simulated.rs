@@ -60,7 +60,7 @@ pub fn point_touches(
         let mut posture = reference.clone();
         for (joint, place) in creature.joints().iter().zip(&places[1..]) {
             for element in joint.elements() {
-                let Some(dof) = robot.leaders().find(|dof| dof.name == element.dof().name) else { continue };
+                let Some(dof) = robot.leaders().find(|dof| dof.name == element.name) else { continue };
                 let (at, read) = (dof.coordinate, element.of(&touch.posture));
                 match (dof.kind, place) {
                     (DofKind::Ball, Some((_, pose))) => {

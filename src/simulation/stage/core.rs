@@ -62,21 +62,6 @@ pub struct StageCore {
 }
 
 impl StageCore {
-    /// The length of a step, seconds.
-    pub fn timestep(&self) -> f64 {
-        self.body.model.timestep()
-    }
-
-    /// Puts the creature into a posture at once.
-    pub fn place(&mut self, posture: &[f64]) -> Result<()> {
-        self.look_for_self_touch()?;
-        self.posture = Posture::from(posture);
-        let qpos = self.qpos_with(posture);
-        self.data.set_qpos(&qpos)?;
-        self.data.forward()?;
-        self.feel_placed()
-    }
-
     /// Lets the senses take in the posture that the creature was put into.
     pub fn feel_placed(&mut self) -> Result<()> {
         self.each_sense(self.time, &[], |sense, step| sense.place(step))
@@ -113,7 +98,7 @@ impl StageCore {
     /// Goes on by one step of which nothing is felt yet: whether anything may touch the creature in it.
     pub fn go_on(&mut self, towards: &[f64]) -> Result<bool> {
         let time = self.time;
-        self.time += self.timestep();
+        self.time += self.body.model.timestep();
         if *towards != *self.posture {
             self.look_for_self_touch()?;
         }
@@ -159,7 +144,7 @@ impl StageCore {
 
     /// One step of the physics, the creature going from one posture to where it is to be.
     fn advance(&mut self, before: &[f64], time: f64) -> Result<()> {
-        let duration = self.timestep();
+        let duration = self.body.model.timestep();
         let mut qpos = self.qpos_with(&self.posture);
         let mut qvel = self.data.qvel().to_vec();
         let from = if *before == *self.posture { qpos.clone() } else { self.qpos_with(before) };
@@ -277,7 +262,7 @@ impl StageCore {
     }
 
     /// The engine's coordinates with the creature in a posture and all else as it is.
-    fn qpos_with(&self, posture: &[f64]) -> Vec<f64> {
+    pub fn qpos_with(&self, posture: &[f64]) -> Vec<f64> {
         let mut qpos = self.body.qpos(posture);
         for ((q, present), own) in qpos.iter_mut().zip(self.data.qpos()).zip(&self.own_qpos) {
             if !own {

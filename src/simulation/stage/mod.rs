@@ -99,7 +99,7 @@ impl Stage {
 
     /// The length of a step, seconds.
     pub fn timestep(&self) -> f64 {
-        self.core.borrow().timestep()
+        self.body.model.timestep()
     }
 
     /// Simulated time, seconds.
@@ -122,7 +122,12 @@ impl Stage {
     /// # Errors
     /// Where the engine fails.
     pub fn place(&self, posture: &[f64]) -> Result<()> {
-        self.core.borrow_mut().place(posture)
+        let core = &mut *self.core.borrow_mut();
+        core.look_for_self_touch()?;
+        core.posture = Posture::from(posture);
+        core.data.set_qpos(&core.qpos_with(posture))?;
+        core.data.forward()?;
+        core.feel_placed()
     }
 
     /// Goes on by one step while the creature holds still: all that it feels.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::auras::add_auras;
 use super::{GrowOptions, Sprout, sprouts};
-use crate::creature::{Body, JointSelection, body_name, joint_name};
+use crate::creature::{Body, JointSelection, body_name, free_name, joint_name};
 use crate::error::Error;
 use crate::geometry::{Shape, wxyz};
 use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, write};
@@ -77,7 +77,7 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
         }));
     }
     let auras = add_auras(&mut root, &body, digits(&sprouts))?;
-    let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(&fault.to_string()))?;
+    let sensors = add(&mut root, &body, &sprouts).map_err(|fault| unsuitable(&fault))?;
     if !sensors.is_empty() {
         root.section("sensor").children.extend(sensors);
     }
@@ -98,29 +98,19 @@ impl Grown {
     }
 }
 
-/// An attribute of the default for all sites that a class cannot undo.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("its default for all sites has {0}, which receptors cannot undo: move it into a class")]
-struct StickyDefault(&'static str);
-
 /// Adds the receptors' sites and returns their sensors, after those of the joints.
-fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Element>, StickyDefault> {
+fn add(root: &mut Element, body: &Body, sprouts: &[Sprout]) -> Result<Vec<Element>, String> {
     let model = &body.model;
     let mut sensors = Vec::new();
-    let names = names(body);
     for (j, joint) in model.joints().enumerate() {
         let measured = model.sensors().any(|sensor| {
             sensor.object == ObjectKind::Joint && sensor.id == Some(j) && sensor.kind == SensorKind::JointPos
         });
-        let name = joint.name.or(names.joints.get(&j).map(String::as_str));
-        if let Some(name) =
-            name.filter(|_| matches!(joint.kind, JointKind::Hinge | JointKind::Slide) && !measured)
-        {
-            let mut own = format!("{name}_pos");
-            while model.id(ObjectKind::Sensor, &own).is_some() {
-                own.push('_');
-            }
-            sensors.push(element("jointpos", &[("name", own), ("joint", name.into())]));
+        let is_named = joint.name.is_some() || is_own(body, joint.body);
+        if is_named && matches!(joint.kind, JointKind::Hinge | JointKind::Slide) && !measured {
+            let name = joint_name(model, j);
+            let sensor = free_name(model, ObjectKind::Sensor, format!("{name}_pos"));
+            sensors.push(element("jointpos", &[("name", sensor), ("joint", name)]));
         }
     }
     if sprouts.is_empty() {
@@ -160,13 +150,15 @@ pub(super) fn insert_behind_geoms(body: &mut Element, new: impl Iterator<Item = 
 }
 
 /// Makes the class of the receptors' sites, and returns its name.
-fn receptor_class(root: &mut Element) -> Result<String, StickyDefault> {
+fn receptor_class(root: &mut Element) -> Result<String, String> {
     for default in root.all("default") {
         // Every class inherits from the outermost.
         if let Some(site) = default.child("site")
             && let Some(sticky) = STICKY.iter().find(|&&name| site.has(name))
         {
-            return Err(StickyDefault(sticky));
+            return Err(format!(
+                "its default for all sites has {sticky}, which receptors cannot undo: move it into a class"
+            ));
         }
     }
     let class = free_class(root, CLASS);
@@ -185,21 +177,9 @@ pub(super) fn free_class(root: &Element, name: &str) -> String {
     class
 }
 
-/// Names for the creature's bodies and joints that have none.
-struct Names {
-    bodies: BTreeMap<usize, String>,
-    joints: BTreeMap<usize, String>,
-}
-
-fn names(body: &Body) -> Names {
-    let model = &body.model;
-    let own = |b: usize| b != 0 && body.limb_of_body[b].is_some();
-    let bodies = (1..model.nbody()).filter(|&b| own(b) && model.body(b).name.is_none());
-    let joints = model.joints().enumerate().filter(|(_, joint)| own(joint.body) && joint.name.is_none());
-    Names {
-        bodies: bodies.map(|b| (b, body_name(model, b))).collect(),
-        joints: joints.map(|(j, _)| (j, joint_name(model, j))).collect(),
-    }
+/// Whether a body of the model is the creature's: then it and its joints get names if they have none.
+fn is_own(body: &Body, of_model: usize) -> bool {
+    of_model != 0 && body.limb_of_body[of_model].is_some()
 }
 
 /// Names all of a creature in its file; none where the file's bodies or joints are not the model's.
@@ -207,7 +187,6 @@ fn names(body: &Body) -> Names {
 /// MuJoCo numbers bodies, and joints within them, in the order of the file.
 fn name_all(root: &mut Element, body: &Body) -> Option<()> {
     let model = &body.model;
-    let names = names(body);
     let (mut number, mut agree) = (0, true);
     each_body(root, &mut |element| {
         number += 1;
@@ -223,12 +202,12 @@ fn name_all(root: &mut Element, body: &Body) -> Option<()> {
         for (element, j) in joints.into_iter().zip(info.joints) {
             let named = element.get("name").filter(|name| !name.is_empty());
             agree &= named == model.joint(j).name;
-            if let Some(name) = names.joints.get(&j) {
-                element.set("name", name.clone());
+            if model.joint(j).name.is_none() && is_own(body, number) {
+                element.set("name", joint_name(model, j));
             }
         }
-        if let Some(name) = names.bodies.get(&number) {
-            element.set("name", name.clone());
+        if info.name.is_none() && is_own(body, number) {
+            element.set("name", body_name(model, number));
         }
     });
     (agree && number + 1 == model.nbody()).then_some(())

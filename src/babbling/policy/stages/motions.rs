@@ -233,16 +233,16 @@ impl Stages {
 
     /// A posture in which two places meet, by what is known of the joints between them, from a random one; what is not
     /// between them stays where it is: the less moves, the less gets in the way.
-    fn brought_together(&self, ends: [Place; 2], mut start: Posture, random: &Posture) -> Option<Posture> {
+    fn brought_together(&self, [a, b]: [Place; 2], mut start: Posture, random: &Posture) -> Option<Posture> {
         let creature = self.agent.creature();
-        let between = Chain::between(creature, ends[0].limb, ends[1].limb);
+        let between = Chain::between(creature, a.limb, b.limb);
         for at in between.joints().flat_map(|joint| creature.joints()[joint].elements()) {
             at.of_mut(&mut start).copy_from_slice(at.of(random));
         }
         creature.couple(&mut start);
         let known = |joint: usize| self.free[joint] && !self.joints().contains(&joint);
         let schema = self.growth.schema()?;
-        let reach = InverseKinematics::new(creature, schema, ends).moving(known).solve(&start);
+        let reach = InverseKinematics::new(creature, schema, [a, b.reversed()]).moving(known).solve(&start);
         (reach.miss < NEAR).then_some(reach.posture)
     }
 

@@ -226,7 +226,7 @@ impl Actor {
             lanes.extend(self.lanes_of(hand, &skin[hand], &map, &ready));
         }
         for stop in lanes.iter().flatten().filter(|stop| stop.searches < SEARCHED + 1e-6) {
-            stop.cells.iter().for_each(|&cell| map.can_reach(cell));
+            stop.cells.iter().for_each(|&cell| map.reached[cell] = true);
         }
         Some(SearchPlan { lanes, skin, map })
     }

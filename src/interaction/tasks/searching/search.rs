@@ -342,7 +342,7 @@ impl Search {
             let [x, y] = self.map.middle(*cell).map(|x| (x / CELL).floor() as i64);
             x.rem_euclid(NARROW as i64) == 0 && y.rem_euclid(NARROW as i64) == 0
         };
-        let open = (0..self.map.cells()).filter(|&cell| self.map.reaches(cell) && self.is_open(cell));
+        let open = self.map.reachable().filter(|&cell| self.is_open(cell));
         open.filter(every).map(|cell| self.map.middle(cell)).collect()
     }
 }
