@@ -77,8 +77,8 @@ impl Obstacle {
                 })
             }
             Obstacle::Table { up, height, front, edge } => {
-                let (_, radius, over) = reach_over(body, up, front, *edge);
-                let points = over.into_iter().map(|(point, _)| point - up * radius);
+                let Overhang { radius, over, .. } = Overhang::of(body, up, front, *edge);
+                let points = over.iter().map(|[point, _]| point - up * radius);
                 let lowest = points.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)))?;
                 let distance = lowest.dot(up) - height;
                 Some(Gap { distance, normal: *up, points: [lowest, lowest - up * distance] })
@@ -95,7 +95,7 @@ impl Obstacle {
                 gap.map(|gap| (gap, f64::INFINITY)).into_iter().collect()
             }
             Obstacle::Table { up, height, front, edge } => {
-                let (ends, radius, over) = reach_over(body, up, front, *edge);
+                let Overhang { ends, radius, over } = Overhang::of(body, up, front, *edge);
                 let place = |point: Vector3<f64>, normal: Vector3<f64>, distance: f64| Gap {
                     distance: distance - radius,
                     normal,
@@ -103,7 +103,7 @@ impl Obstacle {
                 };
                 let behind = ends.map(|point| place(point, -front, edge - point.dot(front))).to_vec();
                 let above =
-                    over.into_iter().map(|(point, normal)| place(point, normal, point.dot(up) - height));
+                    over.into_iter().map(|[point, normal]| place(point, normal, point.dot(up) - height));
                 let above: Vec<Gap> = above.collect();
                 let least =
                     |places: &[Gap]| places.iter().map(|place| place.distance).fold(f64::INFINITY, f64::min);
@@ -117,26 +117,30 @@ impl Obstacle {
     }
 }
 
-/// What of a body reaches over the edge of a table: the ends of its segment if it is a capsule, or else the points farthest
-/// to the front and down; its radius; and the points that may be the lowest of those beyond the edge, each with how the height
-/// there changes as the body moves: where the edge cuts a segment, the cut goes along it.
-fn reach_over(
-    body: &dyn ConvexBody,
-    up: &Vector3<f64>,
-    front: &Vector3<f64>,
-    edge: f64,
-) -> ([Vector3<f64>; 2], f64, Vec<(Vector3<f64>, Vector3<f64>)>) {
-    let Some(Capsule { ends, radius }) = body.as_capsule() else {
-        let ends = [body.support(front), body.support(&-up)];
-        let over = if ends[0].dot(front) > edge { vec![(ends[1], *up)] } else { Vec::new() };
-        return (ends, 0.0, over);
-    };
-    let beyond = ends.map(|end| end.dot(front) - (edge - radius));
-    let mut over: Vec<_> = (0..2).filter(|&k| beyond[k] >= 0.0).map(|k| (ends[k], *up)).collect();
-    if over.len() == 1 {
-        let along = ends[1] - ends[0];
-        let point = ends[0] + along * (beyond[0] / (beyond[0] - beyond[1]));
-        over.push((point, up - front * (along.dot(up) / along.dot(front))));
+/// What of a body reaches over the edge of a table.
+struct Overhang {
+    /// The ends of its segment if it is a capsule, or else the points farthest to the front and down.
+    ends: [Vector3<f64>; 2],
+    radius: f64,
+    /// The points that may be the lowest of those beyond the edge, each with how the height there changes as the body moves.
+    over: Vec<[Vector3<f64>; 2]>,
+}
+
+impl Overhang {
+    fn of(body: &dyn ConvexBody, up: &Vector3<f64>, front: &Vector3<f64>, edge: f64) -> Overhang {
+        let Some(Capsule { ends, radius }) = body.as_capsule() else {
+            let ends = [body.support(front), body.support(&-up)];
+            let over = if ends[0].dot(front) > edge { vec![[ends[1], *up]] } else { Vec::new() };
+            return Overhang { ends, radius: 0.0, over };
+        };
+        let beyond = ends.map(|end| end.dot(front) - (edge - radius));
+        let mut over: Vec<_> = (0..2).filter(|&k| beyond[k] >= 0.0).map(|k| [ends[k], *up]).collect();
+        if over.len() == 1 {
+            // Where the edge cuts the segment, the cut goes along it.
+            let along = ends[1] - ends[0];
+            let point = ends[0] + along * (beyond[0] / (beyond[0] - beyond[1]));
+            over.push([point, up - front * (along.dot(up) / along.dot(front))]);
+        }
+        Overhang { ends, radius, over }
     }
-    (ends, radius, over)
 }
