@@ -214,15 +214,6 @@ impl Learner for Hersch {
         }
         let verdict =
             Verdict::Unjudged("Hersch's rule has no test of its own: look at the held-out error".to_string());
-        Learned {
-            schema: again.schema,
-            basis: Basis::points(self.input),
-            verdict,
-            initial_guesses: 1,
-            fresh_rms: f64::NAN,
-            account: None,
-            deviation: None,
-            changes: Vec::new(),
-        }
+        Learned::unaccounted(again.schema, Basis::points(self.input), verdict, 1)
     }
 }

@@ -110,6 +110,20 @@ pub enum Verdict {
 }
 
 impl Learned {
+    /// A schema of which the learner cannot tell how far off it is.
+    fn unaccounted(schema: BodySchema, basis: Basis, verdict: Verdict, initial_guesses: usize) -> Learned {
+        Learned {
+            schema,
+            basis,
+            verdict,
+            initial_guesses,
+            fresh_rms: f64::NAN,
+            account: None,
+            deviation: None,
+            changes: Vec::new(),
+        }
+    }
+
     /// How many joints nothing is claimed across; where nothing is claimed at all, more than there are.
     pub(crate) fn open_joints(&self) -> usize {
         if self.verdict.converged() { self.undetermined().len() } else { usize::MAX }

@@ -102,33 +102,23 @@ impl Observability {
                 hessian[(i, j)] *= scale[i] * scale[j];
             }
         }
-        if n == 0 {
-            return Observability {
-                parameters,
-                singular_values: Vec::new(),
-                rank: 0,
-                covariance: DMatrix::zeros(0, 0),
-                covariance_factor: DMatrix::zeros(0, 0),
-                null_space: DMatrix::zeros(0, 0),
-                unscaled_null_space: DMatrix::zeros(0, 0),
-                information,
-                known: known.to_vec(),
-                placed: vec![true; creature.limbs().len()],
-                residuals,
-                unit,
-            };
-        }
-        let eigen = SymmetricEigen::new(hessian);
+        let (eigenvalues, eigenvectors) = match n {
+            0 => (DVector::zeros(0), hessian),
+            _ => {
+                let eigen = SymmetricEigen::new(hessian);
+                (eigen.eigenvalues, eigen.eigenvectors)
+            }
+        };
         let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-        let singular_values: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k].max(0.0).sqrt()).collect();
+        order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
+        let singular_values: Vec<f64> = order.iter().map(|&k| eigenvalues[k].max(0.0).sqrt()).collect();
         let greatest = singular_values.first().copied().unwrap_or(0.0);
         let rank = singular_values.iter().filter(|s| **s > NULL_SHARE * greatest).count();
         let covariance_factor = DMatrix::from_fn(n, rank, |i, k| {
-            scale[i] * eigen.eigenvectors[(i, order[k])] / eigen.eigenvalues[order[k]].sqrt()
+            scale[i] * eigenvectors[(i, order[k])] / eigenvalues[order[k]].sqrt()
         });
         let covariance = &covariance_factor * covariance_factor.transpose();
-        let null_space = DMatrix::from_fn(n, n - rank, |i, k| eigen.eigenvectors[(i, order[rank + k])]);
+        let null_space = DMatrix::from_fn(n, n - rank, |i, k| eigenvectors[(i, order[rank + k])]);
         let mut unscaled_null_space = null_space.clone();
         for (mut row, scale) in unscaled_null_space.row_iter_mut().zip(&scale) {
             row *= *scale;

@@ -205,15 +205,7 @@ impl Learner for RelaxedGradient {
             why = "the gradient diverged and its initial guess is left: try more touches (--touches) or --learner lm";
         }
         schema.normalize_axes(self.agent.creature());
-        Learned {
-            schema,
-            basis: Basis::points(self.input),
-            verdict: Verdict::Unjudged(why.to_string()),
-            initial_guesses: 1,
-            fresh_rms: f64::NAN,
-            account: None,
-            deviation: None,
-            changes: Vec::new(),
-        }
+        let verdict = Verdict::Unjudged(why.to_string());
+        Learned::unaccounted(schema, Basis::points(self.input), verdict, 1)
     }
 }

@@ -229,9 +229,7 @@ impl Growth {
         let Some(wrong) = self.scrutiny().most_suspect(told, |of_it, _| share(of_it) > CONTRADICTED) else {
             return;
         };
-        self.take_back(wrong);
-        self.fit();
-        self.place();
+        self.take_back_all(&[wrong]);
     }
 
     /// Takes back joints and limbs that do not stand.
@@ -253,7 +251,6 @@ impl Growth {
             self.resolved[joint] = false;
         }
         self.failed.clear();
-        self.tentative.clear();
         let parameters = self.parameters();
         for joint in 0..self.resolved.len() {
             let axes = self.agent.creature().joints()[joint].elements().filter(|at| !at.is_ball());

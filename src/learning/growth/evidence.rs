@@ -75,20 +75,8 @@ impl Growth {
         prior: &dyn PriorTerm,
         schema: BodySchema,
     ) -> BodySchema {
-        let limits = AnnealingLimits { narrowest, deadline: self.deadline, exact: true };
-        self.closest_to(limits, touches, parameters, prior, schema)
-    }
-
-    /// The same, where surfaces are closed within some limits.
-    pub(super) fn closest_to(
-        &self,
-        limits: AnnealingLimits,
-        touches: &TouchSet,
-        parameters: &Parameters,
-        prior: &dyn PriorTerm,
-        schema: BodySchema,
-    ) -> BodySchema {
         if !self.by_points() {
+            let limits = AnnealingLimits { narrowest, deadline: self.deadline, exact: true };
             return anneal_to(limits, &self.agent, touches, parameters, prior, schema).schema;
         }
         let stopping =

@@ -94,16 +94,9 @@ impl Grower {
                  (--seed), or random motions and contact points (--policy random --input contact)"
             ),
         };
-        Learned {
-            schema: random_guess(creature, &mut rng),
-            basis: SecondOrder::new(&self.agent, self.input, self.seed).basis(),
-            verdict: Verdict::Failed(reason),
-            initial_guesses: self.growth.starts(),
-            fresh_rms: f64::NAN,
-            account: None,
-            deviation: None,
-            changes: Vec::new(),
-        }
+        let basis = SecondOrder::new(&self.agent, self.input, self.seed).basis();
+        let schema = random_guess(creature, &mut rng);
+        Learned::unaccounted(schema, basis, Verdict::Failed(reason), self.growth.starts())
     }
 
     /// Learns at once, from random initial guesses of a seed.

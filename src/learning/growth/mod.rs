@@ -117,8 +117,6 @@ pub struct Growth {
     fitted: usize,
     /// Touches after which it is seen next what can be learned.
     next: usize,
-    /// Answers that closed the gaps and were not sure enough, by the joints that they were for.
-    tentative: Vec<(Vec<usize>, BodySchema)>,
     /// Per part that was tried in vain, its touches then.
     failed: BTreeMap<Part, usize>,
     /// What was believed of the body before the first touch.
@@ -163,7 +161,6 @@ impl Growth {
             information: DMatrix::zeros(0, 0),
             fitted: 0,
             next: EVERY,
-            tentative: Vec::new(),
             failed: BTreeMap::new(),
             initial_guess: random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed)),
             way: Vec::new(),

@@ -7,9 +7,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
+use super::{FEWEST_UNKNOWNS, GrownTouch, Growth, Part};
 use crate::deadline::in_parallel;
-use crate::learning::annealing::{AnnealingLimits, quantile};
+use crate::learning::annealing::quantile;
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
@@ -30,15 +30,10 @@ const HOPEFUL: f64 = 0.5;
 pub(super) const ENOUGH: f64 = 0.95;
 /// … and from which on none better is looked for.
 const AS_GOOD_AS_ALL: f64 = 0.97;
-/// … and from which on it is worth remembering where more touches tried again.
-const PROMISING: f64 = 0.9;
 /// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
 const AT_ONCE: usize = 4;
-/// Answers that close this share are mended, …
-const WORTH_MENDING: f64 = 0.7;
-/// … so often, by the joints that are most suspect.
-const MENDS: usize = 3;
-const SUSPECTS: usize = 3;
+/// An answer of a first part that closes less may be what chance finds again and again.
+const OFTEN_DRAWN: f64 = 0.7;
 /// Steps towards the receptors' places with relaxed axes, and twice as many as on the sphere.
 const POINT_ITERATIONS: usize = 60;
 /// This share of touches …
@@ -55,9 +50,7 @@ const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
 /// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
 const AGREEING: usize = 4;
 const SMALL: usize = 45;
-/// Touches that the first part needs, in units of its joints' unknowns, to do without limbs beyond joints that rest.
-const INNER_TOUCHES: f64 = 1.6;
-/// Touches of a limb below which the first part does without it.
+/// Touches of a limb below which the first part does without it: it only adds unknowns, and is found later.
 const OFTEN: usize = 8;
 /// Touches that a part is solved by at the most, in units of its unknowns.
 const MOST_TOUCHES: usize = 8;
@@ -152,7 +145,6 @@ impl PartProblem<'_> {
 impl Growth {
     /// The best answer of so many starts; none where no touch tells anything.
     pub(super) fn solve(&mut self, problem: &PartProblem, starts: usize) -> Option<Solved> {
-        let part = problem.part;
         self.solves += 1;
         let numbers: Vec<usize> = (0..starts).collect();
         let mut solved: Vec<Solved> = Vec::new();
@@ -164,12 +156,12 @@ impl Growth {
             self.starts += made.len();
             solved.extend(made);
             let good = solved.iter().filter(|solved| solved.exact > AS_GOOD_AS_ALL).count();
-            let known = self.belief.is_some() || self.width(&part.joints) < FEWEST_UNKNOWNS;
+            let known = self.belief.is_some() || self.width(&problem.part.joints) < FEWEST_UNKNOWNS;
             let small = known && problem.unit.len() <= SMALL;
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
             let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
             // What comes again and again is the best that chance finds.
-            let drawn = self.belief.is_some() || most > WORTH_MENDING;
+            let drawn = self.belief.is_some() || most > OFTEN_DRAWN;
             let again = drawn && solved.iter().filter(as_good).count() >= AGREEING;
             // Where an answer is among those whose points nearly meet, it is one in three.
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
@@ -180,67 +172,13 @@ impl Growth {
             }
         }
         let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
-        let best = solved.swap_remove(at);
-        let mut best = self.mended(problem, best);
+        let mut best = solved.swap_remove(at);
         let good = solved.into_iter().filter(|other| other.exact > ENOUGH && other.given_up == best.given_up);
         best.others = good.map(|other| other.schema).collect();
         if let Some(known) = &problem.known {
             best.schema = self.carried(known, &best.schema);
         }
-        if best.exact > PROMISING {
-            self.tentative.retain(|(joints, _)| *joints != part.joints);
-            self.tentative.push((part.joints.clone(), best.schema.clone()));
-        }
         Some(best)
-    }
-
-    /// An answer in which the joints that most touches leave open were tried about other axes.
-    fn mended(&mut self, problem: &PartProblem, mut best: Solved) -> Solved {
-        if best.share >= AS_GOOD_AS_ALL && best.exact <= ENOUGH {
-            let finer = self.finer(problem, best.schema.clone());
-            if finer.worth() > best.worth() {
-                best = finer;
-            }
-        }
-        for round in 0..MENDS {
-            let creature = self.agent.creature();
-            if !(WORTH_MENDING..AS_GOOD_AS_ALL).contains(&best.share) || self.deadline.has_passed() {
-                break;
-            }
-            let mut told: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
-            for &number in &problem.numbers {
-                let touch = &self.touches[number];
-                let open = usize::from(!self.closes_to(NEARLY, touch, &best.schema));
-                for joint in touch.told.moving.iter().filter(|joint| problem.part.joints.contains(joint)) {
-                    told.entry(*joint).or_default()[open] += 1.0;
-                }
-            }
-            let mut suspects: Vec<(f64, usize)> =
-                told.into_iter().map(|(joint, [closed, open])| (open / (open + closed), joint)).collect();
-            suspects.sort_by(|a, b| b.0.total_cmp(&a.0));
-            // One after the other of those that are most suspect.
-            let Some(&(_, suspect)) = suspects.get(round % suspects.len().clamp(1, SUSPECTS)) else { break };
-            let tries: Vec<usize> = (0..AT_ONCE).collect();
-            let tried = in_parallel(tries, |number| {
-                let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-                rng.set_stream((self.solves << 16) + (1 << 15) + (AT_ONCE * round + number) as u64);
-                let mut schema = best.schema.clone();
-                if number > 0 {
-                    let position = schema.positions[suspect];
-                    randomize_joint(creature, &mut schema, suspect, &mut rng);
-                    schema.positions[suspect] = position;
-                } else {
-                    creature.joints()[suspect].dof_indices().for_each(|dof| schema.axes[dof] *= -1.0);
-                }
-                self.closed(problem, schema, number)
-            });
-            self.starts += tried.len();
-            let better = tried.into_iter().filter(|other| other.worth() > best.worth());
-            if let Some(better) = better.max_by(|a, b| a.worth().total_cmp(&b.worth())) {
-                best = better;
-            }
-        }
-        best
     }
 
     /// The problem of a part; none where no touch tells of it.
@@ -250,26 +188,13 @@ impl Growth {
         let numbers: Vec<usize> =
             (0..self.touches.len()).filter(|&number| self.is_of(&self.touches[number], part)).collect();
         let mut solved_by = numbers.clone();
-        if self.belief.is_none() {
-            // Limbs beyond joints that rest only add unknowns, where touches of the others are enough.
-            let of = |number: &usize| &self.touches[*number];
-            let within =
-                |number: &usize| of(number).told.chain.iter().all(|joint| part.joints.contains(joint));
-            let inner: Vec<usize> = solved_by.iter().copied().filter(within).collect();
-            let free = inner.iter().filter(|number| of(number).freedom >= FREEDOM).count() as f64;
-            let width = self.width(&part.joints);
-            if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
-                solved_by = inner;
-            }
-            // Limbs that are hardly touched are found later.
-            let mut before = usize::MAX;
-            while solved_by.len() < before {
-                before = solved_by.len();
-                let mut counts = vec![0; creature.limbs().len()];
-                let limbs = solved_by.iter().flat_map(|number| of(number).told.limbs);
-                limbs.for_each(|limb| counts[limb] += 1);
-                solved_by.retain(|number| of(number).told.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
-            }
+        let mut before = usize::MAX;
+        while self.belief.is_none() && solved_by.len() < before {
+            before = solved_by.len();
+            let mut counts = vec![0; creature.limbs().len()];
+            let limbs = |number: &usize| self.touches[*number].told.limbs;
+            solved_by.iter().flat_map(limbs).for_each(|limb| counts[limb] += 1);
+            solved_by.retain(|number| limbs(number).iter().all(|&limb| counts[limb] >= OFTEN));
         }
         if solved_by.is_empty() {
             return None;
@@ -391,28 +316,12 @@ impl Growth {
         schema = self.closest(narrowest, touches, relaxed, &beliefs, schema);
         schema.normalize_axes(creature);
         schema = self.closest(SHARP, touches, unit, &beliefs, schema);
-        let exactly = self.without_open(problem, schema, CLOSED);
-        if exactly.exact > HOPEFUL {
-            return exactly;
-        }
-        let nearly = self.without_open(problem, exactly.schema.clone(), NEARLY);
-        if nearly.worth() > exactly.worth() { nearly } else { exactly }
-    }
-
-    /// An answer that nearly closes all, closed further. A joint that hardly turns is felt by gaps as narrow as these alone, and its
-    /// relaxed axis moves them as a linear function does: axes stay relaxed for as long as that closes anything.
-    fn finer(&self, problem: &PartProblem, schema: BodySchema) -> Solved {
-        let beliefs = problem.beliefs();
-        let limits = AnnealingLimits { narrowest: SHARP, deadline: self.deadline, exact: false };
-        let mut schema = self.closest_to(limits, &problem.touches, &problem.relaxed, &beliefs, schema);
-        schema.normalize_axes(self.agent.creature());
-        schema = self.closest(SHARP, &problem.touches, &problem.unit, &beliefs, schema);
-        self.without_open(problem, schema, CLOSED)
+        self.without_open(problem, schema)
     }
 
     /// What is left of an answer without what stays open, a limb or a joint given up after the other: most of a part may be
-    /// right where a joint is not. Open is what leaves a gap of more than a `tolerance`, metres.
-    fn without_open(&self, problem: &PartProblem, mut schema: BodySchema, tolerance: f64) -> Solved {
+    /// right where a joint is not.
+    fn without_open(&self, problem: &PartProblem, mut schema: BodySchema) -> Solved {
         let first = self.belief.is_none();
         let beliefs = problem.beliefs();
         let unit = &problem.unit;
@@ -426,7 +335,7 @@ impl Growth {
         loop {
             let gap = |&number: &usize| self.scrutiny().felt_gap(NEARLY, &self.touches[number].told, &schema);
             let gaps: Vec<f64> = numbers.iter().map(gap).collect();
-            let (open, worst) = self.open_member(&numbers, &gaps, tolerance, may);
+            let (open, worst) = self.open_member(&numbers, &gaps, may);
             let share = (numbers.len() - open) as f64 / numbers.len().max(1) as f64;
             let hopeful = share > HOPEFUL && share < AS_GOOD_AS_ALL && given_up.len() < GIVEN_UP;
             let Some(worst) = worst.filter(|_| hopeful) else {
@@ -462,26 +371,13 @@ impl Growth {
         guess
     }
 
-    /// An initial guess of a part, drawn from what is believed; the first is the last answer that was not sure.
+    /// An initial guess of a part, drawn from what is believed; of the first, what is known stays as it is.
     fn guess(&self, problem: &PartProblem, number: usize, rng: &mut ChaCha8Rng) -> BodySchema {
-        let creature = self.agent.creature();
         let mut guess = problem.base.clone();
-        let joints = &problem.part.joints;
-        let for_all = |(of, _): &&(Vec<usize>, BodySchema)| joints.iter().all(|joint| of.contains(joint));
-        let before = self.tentative.iter().rev().find(for_all).filter(|_| number == 0);
-        for &joint in joints {
+        for &joint in &problem.part.joints {
             let position = guess.positions[joint];
-            match before {
-                Some((_, schema)) => {
-                    guess.positions[joint] = schema.positions[joint];
-                    let dofs = creature.joints()[joint].dof_indices();
-                    guess.axes[dofs.clone()].copy_from_slice(&schema.axes[dofs]);
-                }
-                None => {
-                    randomize_joint(creature, &mut guess, joint, rng);
-                    guess.positions[joint] = position;
-                }
-            }
+            randomize_joint(self.agent.creature(), &mut guess, joint, rng);
+            guess.positions[joint] = position;
         }
         if number == 0 {
             return guess;
@@ -507,14 +403,12 @@ impl Growth {
         &self,
         numbers: &[usize],
         gaps: &[f64],
-        tolerance: f64,
         may: impl Fn(Member) -> bool,
     ) -> (usize, Option<Member>) {
         let mut counts: BTreeMap<Member, [f64; 2]> = BTreeMap::new();
         let mut all_open = 0;
         for (touch, gap) in numbers.iter().map(|&number| &self.touches[number]).zip(gaps) {
-            let is_closed = *gap < tolerance;
-            let is_open = !is_closed;
+            let is_open = *gap >= CLOSED;
             all_open += usize::from(is_open);
             let limbs = touch.told.limbs.iter().copied().map(Member::Limb);
             for member in limbs.chain(touch.told.moving.iter().copied().map(Member::Joint)) {

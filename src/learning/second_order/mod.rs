@@ -189,17 +189,13 @@ impl SecondOrder {
         let Judged { start, judged, .. } = found;
         if start.accepted {
             let (schema, account, deviation) = self.polish(&start);
+            let verdict = self.few_tell(&account, deviation);
+            let verdict = verdict.unwrap_or_else(|| account.verdict(self.agent.creature()));
             return Learned {
-                schema,
-                basis: self.basis(),
-                verdict: self
-                    .few_tell(&account, deviation)
-                    .unwrap_or_else(|| account.verdict(self.agent.creature())),
-                initial_guesses,
                 fresh_rms: judged,
                 account: Some(account),
                 deviation: Some(deviation),
-                changes: Vec::new(),
+                ..Learned::unaccounted(schema, self.basis(), verdict, initial_guesses)
             };
         }
         let why = if initial_guesses == 0 && self.deadline.has_passed() {
@@ -220,15 +216,10 @@ impl SecondOrder {
                 if self.known.is_given() { ", or check what is known (--known)" } else { "" }
             )
         };
+        let schema = self.with_frozen(&start.schema);
         Learned {
-            schema: self.with_frozen(&start.schema),
-            basis: self.basis(),
-            verdict: Verdict::Failed(why),
-            initial_guesses,
             fresh_rms: judged,
-            account: None,
-            deviation: None,
-            changes: Vec::new(),
+            ..Learned::unaccounted(schema, self.basis(), Verdict::Failed(why), initial_guesses)
         }
     }
 
@@ -274,15 +265,11 @@ impl SecondOrder {
         let placed = vec![true; self.agent.creature().limbs().len()];
         let start = Start { schema: schema.clone(), known, placed, accepted: true, initial_guesses: 0 };
         let (schema, account, deviation) = self.polish(&start);
+        let verdict = Verdict::Unjudged("it was refined from a given schema".to_string());
         Learned {
-            schema,
-            basis: self.basis(),
-            verdict: Verdict::Unjudged("it was refined from a given schema".to_string()),
-            initial_guesses: 0,
-            fresh_rms: f64::NAN,
             account: Some(account),
             deviation: Some(deviation),
-            changes: Vec::new(),
+            ..Learned::unaccounted(schema, self.basis(), verdict, 0)
         }
     }
 }
