@@ -75,7 +75,7 @@ impl LearningOptions {
         }
     }
 
-    /// Whether a body can grow part by part with what is given: by receptors on known surfaces alone, undisturbed.
+    /// Whether a body can grow part by part with what is given: by receptors on known surfaces or by contact points, undisturbed.
     pub(crate) fn grows(&self) -> bool {
         self.skin == SkinKnowledge::Surface
             && self.frames == LimbFrames::Joint

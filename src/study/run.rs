@@ -86,8 +86,6 @@ pub struct StudyRun {
 pub struct Trial<'a> {
     /// The seed of all its random numbers.
     pub seed: u64,
-    /// Its number among all trials, from 0.
-    pub number: u64,
     /// The names of its cases.
     pub cases: &'a [String],
     /// Touches, if the study babbles.
@@ -243,10 +241,9 @@ impl StudyRun {
 
     /// Makes the trial of a seed.
     pub(super) fn trial(&self, seed: u64) -> Result<TrialRecord, Error> {
-        let StudyOptions { cases, touches, seconds, seed: first, .. } = &self.asked.options;
+        let StudyOptions { cases, touches, seconds, .. } = &self.asked.options;
         let trial = Trial {
             seed,
-            number: seed - first,
             cases,
             touches: touches.unwrap_or_default(),
             seconds: seconds.unwrap_or(f64::INFINITY),

@@ -55,7 +55,7 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
     if auras.is_empty() {
         return Err(Error::unfit(scene.subject.model(), "no limb of it with receptors moves"));
     }
-    let aimed = auras[scene.number as usize % auras.len()];
+    let aimed = auras[scene.seed as usize % auras.len()];
     let mut rng = scene.rng(0);
     let thing = thing(&mut rng);
     let mut actor = scene.among(scene.truth, vec![thing])?;

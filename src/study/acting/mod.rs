@@ -92,7 +92,7 @@ const HANDS: [&str; 2] = ["left_hand", "right_hand"];
 fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let [learned, truth] = subject.known()?;
-    let scene = Scene { subject, learned, truth, seed: trial.seed, number: trial.number };
+    let scene = Scene { subject, learned, truth, seed: trial.seed };
     let mut all = Vec::new();
     for (name, task) in TASKS.into_iter().filter(|(name, _)| trial.asks(name)) {
         for mut row in task(&scene)? {
@@ -109,8 +109,6 @@ struct Scene<'a> {
     learned: &'a Knowledge,
     truth: &'a Knowledge,
     seed: u64,
-    /// The trial's number, from 0.
-    number: u64,
 }
 
 impl Scene<'_> {
