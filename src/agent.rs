@@ -73,8 +73,9 @@ impl Agent {
 
     /// The limbs that have skin, in the creature's order.
     pub fn limbs_with_skin(&self) -> Vec<usize> {
-        let felt = |limb: &usize| self.skin().receptors.iter().any(|receptor| receptor.limb == *limb);
-        (0..self.creature().limbs().len()).filter(felt).collect()
+        (0..self.creature().limbs().len())
+            .filter(|&limb| self.skin().receptors_on(limb).next().is_some())
+            .collect()
     }
 }
 

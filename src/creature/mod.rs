@@ -235,23 +235,16 @@ impl Creature {
 
     /// The same creature with the ranges that some postures visit; those of couplings, and of balls, stay as they are.
     pub fn visited<'a>(&self, postures: impl Iterator<Item = &'a Posture> + Clone) -> Creature {
+        let visited = |element: DofElement| {
+            let single = !element.is_ball() && element.follows.is_none();
+            let visited = postures.clone().map(|posture| element.of(posture)[0]);
+            let none = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = visited.fold(none, |[low, high], at| [low.min(at), high.max(at)]);
+            if single && low <= high { [low, high] } else { element.range }
+        };
         let mut narrowed = self.clone();
-        for joint in &mut narrowed.0.joints {
-            let elements: Vec<DofElement> = joint.elements().collect();
-            let ranges: Vec<Option<[f64; 2]>> = elements
-                .iter()
-                .map(|element| {
-                    let single = element.kind != DofKind::Ball && element.follows.is_none();
-                    let visited = postures.clone().map(|posture| element.of(posture)[0]);
-                    let none = [f64::INFINITY, f64::NEG_INFINITY];
-                    let [low, high] = visited.fold(none, |[low, high], at| [low.min(at), high.max(at)]);
-                    (single && low <= high).then_some([low, high])
-                })
-                .collect();
-            for (dof, range) in joint.dofs.iter_mut().zip(ranges) {
-                dof.range = range.unwrap_or(dof.range);
-            }
-        }
+        let dofs = narrowed.0.joints.iter_mut().flat_map(|joint| &mut joint.dofs);
+        dofs.zip(self.elements().map(visited)).for_each(|(dof, range)| dof.range = range);
         narrowed
     }
 

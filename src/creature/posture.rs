@@ -169,11 +169,6 @@ impl Posture {
             self[at.coordinate()] = self[at.coordinate()].clamp(low, high);
         }
     }
-
-    /// The greatest difference of a coordinate from another posture's, radians or metres.
-    pub fn distance(&self, other: &[f64]) -> f64 {
-        self.iter().zip(other).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()))
-    }
 }
 
 impl Deref for Posture {

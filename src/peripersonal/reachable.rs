@@ -57,25 +57,14 @@ impl Level {
     }
 }
 
-/// What a map tells of a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Whereabouts {
-    /// How far away it is.
-    pub level: Level,
-    /// How far it is from the nearest voxel that can be reached, metres: 0 where it can.
-    pub beyond: f64,
-    /// A posture of the whole body with the tip in its voxel, or in that nearest one.
-    pub posture: Posture,
-}
-
-/// Where a point is by postures that were sought for it.
+/// Where a point is, by a map or by postures that were sought for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// How far away it is: near or far where a posture was found that reaches it.
     pub level: Level,
     /// The posture that reaches it, or comes nearest to it.
     pub posture: Posture,
-    /// How far off the tip stays with that, metres.
+    /// How far off the tip stays with that, metres; by a map, how far the nearest voxel is that is reached.
     pub miss: f64,
 }
 
@@ -271,18 +260,19 @@ impl ReachableMap {
         self.level_of(self.reached.lattice.cell(point))
     }
 
-    /// All that the map tells of a point in its frame.
-    pub fn whereabouts(&self, point: &Vector3<f64>) -> Whereabouts {
+    /// All that the map tells of a point in its frame, with a posture that has the tip in the point's voxel or in the nearest one
+    /// that is reached.
+    pub fn whereabouts(&self, point: &Vector3<f64>) -> Reach {
         let cell = self.reached.lattice.cell(point);
         let (level, number) = (self.level_of(cell), self.number(cell));
         let nearest = if number.is_none() { self.nearest(point) } else { Some((cell, 0.0)) };
-        let beyond = nearest.map_or(f64::INFINITY, |(_, distance)| distance);
+        let miss = nearest.map_or(f64::INFINITY, |(_, distance)| distance);
         let mut posture = self.at_ease.clone();
         if let Some(number) = number.or_else(|| self.number(nearest?.0)) {
             let coordinates = self.reached.coordinates_of(number, self.chains[1].count());
             self.chains[1].put_into(coordinates, &mut posture);
         }
-        Whereabouts { level, beyond, posture }
+        Reach { level, posture, miss }
     }
 
     /// Seeks postures that reach a point in the map's frame: from those of the voxels about it, by the arm alone, and where

@@ -139,12 +139,12 @@ fn every_voxel_of_a_map_has_a_posture_in_it() {
     for (cell, level) in map.voxels() {
         let middle = map.lattice().middle(cell);
         let found = map.whereabouts(&middle);
-        assert!((at(&found.posture) - middle).amax() <= map.lattice().half() + 1e-5 && found.beyond == 0.0);
+        assert!((at(&found.posture) - middle).amax() <= map.lattice().half() + 1e-5 && found.miss == 0.0);
         assert_eq!((found.level, level), (Level::Near, Level::Near), "nothing leans");
     }
     let reach = map.reach(&Vector3::new(0.3, 0.25, 0.0));
     assert!(reach.miss < 1e-3 && (at(&reach.posture) - Vector3::new(0.3, 0.25, 0.0)).norm() < 1e-3);
     // Beyond the stretched arm it is as far as the point is, less what voxels are thick.
     let far = map.whereabouts(&Vector3::new(1.0, 0.0, 0.0));
-    assert!((far.beyond - (1.0 - LENGTH)).abs() < 0.05 && at(&far.posture).x > 0.5, "{far:?}");
+    assert!((far.miss - (1.0 - LENGTH)).abs() < 0.05 && at(&far.posture).x > 0.5, "{far:?}");
 }

@@ -247,7 +247,7 @@ impl View<'_> {
     /// The receptors of a limb that are nearest to a point of it in the world.
     fn likeliest(&self, limb: usize, point: &Vector3<f64>) -> Vec<usize> {
         let (receptors, p_l) = (&self.skin.receptors, self.frames[limb].inverse_point(point));
-        let mut on_limb: Vec<usize> = (0..receptors.len()).filter(|&r| receptors[r].limb == limb).collect();
+        let mut on_limb: Vec<usize> = self.skin.receptors_on(limb).collect();
         let distance = |&r: &usize| (receptors[r].position - p_l).norm();
         on_limb.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         on_limb.truncate(RECEPTORS_NAMED);

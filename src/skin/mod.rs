@@ -144,6 +144,11 @@ impl Skin {
         self.receptors.iter().enumerate().map(|(r, receptor)| (receptor.id.as_str(), r)).collect()
     }
 
+    /// The receptors on a limb.
+    pub fn receptors_on(&self, limb: usize) -> impl Iterator<Item = usize> + Clone {
+        (0..self.receptors.len()).filter(move |&receptor| self.receptors[receptor].limb == limb)
+    }
+
     /// How far the receptors of the longest limb extend, metres; 0 where no limb has two.
     pub(crate) fn longest_limb(&self) -> f64 {
         let mut of_limbs: BTreeMap<usize, Vec<Vector3<f64>>> = BTreeMap::new();

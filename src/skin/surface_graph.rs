@@ -117,8 +117,7 @@ impl SurfaceGraph<'_> {
         let is_buried = |at: &Vector3<f64>| {
             over.iter().any(|(other, frame)| other.holds(&frame.inverse_point(at), BURIED * spacing))
         };
-        let on_limb: Vec<usize> =
-            (0..skin.receptors.len()).filter(|&r| skin.receptors[r].limb == limb).collect();
+        let on_limb: Vec<usize> = skin.receptors_on(limb).collect();
         let nearest = |from: &[usize], p: &Vector3<f64>, n: &Vector3<f64>, feels: bool| {
             let fits = |r: &&Receptor| if feels { r.feels(p, n) } else { r.normal.dot(n) >= FACING };
             let receptors = from.iter().filter(|&&r| fits(&&skin.receptors[r]));

@@ -9,7 +9,7 @@ use bodyschema::creature::{Body, Posture};
 use bodyschema::kinematics::REACHED;
 use bodyschema::kinematics::Workspace;
 use bodyschema::learning::Certainty;
-use bodyschema::peripersonal::{Level, OwnBody, ReachableMap, Whereabouts};
+use bodyschema::peripersonal::{Level, OwnBody, Reach, ReachableMap};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -165,7 +165,7 @@ fn levels_distances_and_postures_agree() {
     assert_eq!(own.creature().limbs()[map.chest], "thoracic3");
     let ahead = Vector3::new(0.4, 0.1, 0.0);
     let found = map.whereabouts(&ahead);
-    assert_eq!((found.level, found.beyond), (Level::Near, 0.0));
+    assert_eq!((found.level, found.miss), (Level::Near, 0.0));
     let reach = map.reach(&ahead);
     assert!(
         reach.miss <= REACHED && (tip(&own, &map, &reach.posture) - ahead).norm() <= REACHED,
@@ -175,7 +175,7 @@ fn levels_distances_and_postures_agree() {
     let mut levels = Vec::new();
     for step in 0..40 {
         let point = Vector3::new(0.051 * f64::from(step), 0.1, 0.0);
-        let Whereabouts { level, beyond, .. } = map.whereabouts(&point);
+        let Reach { level, miss: beyond, .. } = map.whereabouts(&point);
         assert_eq!(level == Level::OutOfReach, beyond > 0.0, "{level:?} by {beyond}");
         // No voxel is nearer than the nearest.
         let nearest =

@@ -21,7 +21,7 @@ use super::actor::Actor;
 use super::tasks::{Grip, Search, Trouble, tried};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
-use crate::peripersonal::ReachableMap;
+use crate::peripersonal::{ReachableMap, distance};
 
 /// The voxels of the map that tells what its hands reach, metres.
 const VOXEL: f64 = 0.04;
@@ -98,7 +98,7 @@ impl Conversation {
     /// Where the engine fails.
     pub fn new(mut actor: Actor) -> Result<Conversation, Error> {
         let ready = actor.ready();
-        if actor.posture().distance(&ready) > 0.0 {
+        if distance(&actor.posture(), &ready) > 0.0 {
             tried(actor.go(&ready))?;
         }
         actor.wait(0.5)?;

@@ -13,8 +13,9 @@ use servo::{FINER, ServoPath};
 use super::motion::{Ending, Motion, Movers, Moving};
 use super::sorted;
 use super::step::step;
+use crate::creature::Body;
 use crate::error::Result;
-use crate::mujoco::Data;
+use crate::mujoco::{Contact, Data};
 use crate::senses::{Met, Moment, Reading};
 
 /// Limbs that have been felt must have parted for this long until they can be felt again, seconds.
@@ -142,11 +143,7 @@ impl<'a> DynamicMotion<'a> {
         let now = self.state.time;
         let mut fresh = Vec::new();
         let mut fired: Option<Fired> = None;
-        for (contact, force) in data.pressing() {
-            let [Some(a), Some(b)] = contact.geoms.map(|geom| self.movers.body.limb_of_geom(geom)) else {
-                continue;
-            };
-            let limbs = sorted([a, b]);
+        for (limbs, contact, force) in pressing(self.movers.body, data) {
             if let Some(press) = self.pressing.get_mut(&limbs).filter(|press| now - press.last <= PARTED) {
                 press.last = now;
                 continue;
@@ -171,12 +168,8 @@ impl<'a> DynamicMotion<'a> {
     /// Stops where receptors have just fired.
     fn stop(&mut self, fired: Fired) -> Ending {
         let data = &self.levels[fired.level];
-        for (contact, _) in data.pressing() {
-            if let [Some(a), Some(b)] = contact.geoms.map(|geom| self.movers.body.limb_of_geom(geom)) {
-                let press = Press { last: self.state.time, felt: true };
-                self.pressing.insert(sorted([a, b]), press);
-            }
-        }
+        let press = Press { last: self.state.time, felt: true };
+        self.pressing.extend(pressing(self.movers.body, data).map(|(limbs, ..)| (limbs, press)));
         self.moving.effort.neighbours += self.movers.neighbours(data);
         self.moving.moment = Some(fired.moment);
         Ending::Touch(fired.met)
@@ -207,6 +200,14 @@ impl<'a> DynamicMotion<'a> {
     fn speed(&self) -> f64 {
         self.state.qvel.iter().fold(0.0, |most, speed| f64::max(most, speed.abs()))
     }
+}
+
+/// The contacts of two limbs that press on each other in the step just made: the limbs, the earlier one first, and the force.
+fn pressing(body: &Body, data: &Data) -> impl Iterator<Item = ([usize; 2], Contact, f64)> {
+    data.pressing().filter_map(|(contact, force)| {
+        let [a, b] = contact.geoms.map(|geom| body.limb_of_geom(geom));
+        Some((sorted([a?, b?]), contact, force))
+    })
 }
 
 impl Motion for DynamicMotion<'_> {

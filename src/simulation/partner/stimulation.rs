@@ -109,10 +109,9 @@ impl<'a> Strokes<'a> {
         std::iter::once(limb).chain(self.limbs.of(limb).filter(|&other| other != limb)).collect()
     }
 
-    /// The receptors of a limb.
-    pub(super) fn receptors_on(&self, limb: usize) -> Vec<usize> {
-        let receptors = &self.skin.receptors;
-        (0..receptors.len()).filter(|&receptor| receptors[receptor].limb == limb).collect()
+    /// A receptor of a limb, drawn at random.
+    fn receptor_on(&self, limb: usize, rng: &mut ChaCha8Rng) -> Option<usize> {
+        self.skin.receptors_on(limb).collect::<Vec<_>>().choose(rng).copied()
     }
 
     /// A random point of a receptor's patch, or of the inner share of it, in the limb's frame.
@@ -130,7 +129,7 @@ impl<'a> Strokes<'a> {
         limbs.dedup();
         (0..TRIES).find_map(|_| {
             let limb = *limbs.choose(rng)?;
-            let receptor = *self.receptors_on(limb).choose(rng)?;
+            let receptor = self.receptor_on(limb, rng)?;
             let length = match kind {
                 TouchKind::Tap | TouchKind::Press => 0.0,
                 TouchKind::Stroke => rng.random_range(0.03..0.15),
@@ -153,7 +152,7 @@ impl<'a> Strokes<'a> {
         (0..WAYS).find_map(|_| {
             let row = rows.choose(rng)?;
             let [from, to] = [row[0], row[joints]].map(|limb| {
-                let receptor = *self.receptors_on(limb).choose(rng)?;
+                let receptor = self.receptor_on(limb, rng)?;
                 Some(self.frames[limb].point(&self.place_on(receptor, 1.0, rng)))
             });
             let way = self.towards(row, &from?, &to?)?;
@@ -163,7 +162,7 @@ impl<'a> Strokes<'a> {
 
     /// All rows of so many limbs with skin, each joined to the next.
     fn rows(&self, length: usize) -> Vec<Vec<usize>> {
-        let has_skin = |limb: &usize| !self.receptors_on(*limb).is_empty();
+        let has_skin = |limb: &usize| self.skin.receptors_on(*limb).next().is_some();
         let mut rows: Vec<Vec<usize>> =
             (0..self.frames.len()).filter(has_skin).map(|limb| vec![limb]).collect();
         for _ in 1..length {
@@ -215,11 +214,10 @@ impl<'a> Strokes<'a> {
 
     /// The receptors whose `touch` sensors read what presses at a spot.
     fn receptors_at(&self, spot: &SkinPoint) -> Vec<usize> {
-        let (frame, receptors) = (&self.frames[spot.limb], &self.skin.receptors);
+        let frame = &self.frames[spot.limb];
         let p_l = frame.inverse_point(&(spot.middle - spot.normal * PROBE_RADIUS));
         let outward = frame.rotation.tr_mul(&spot.normal);
-        let reads = |r: &usize| receptors[*r].limb == spot.limb && receptors[*r].reads(&p_l, &outward);
-        (0..receptors.len()).filter(reads).collect()
+        self.skin.receptors_on(spot.limb).filter(|&r| self.skin.receptors[r].reads(&p_l, &outward)).collect()
     }
 
     /// A step on over the skin of some limbs; none over an edge or into a fold, where the way would jump.

@@ -8,6 +8,7 @@ use crate::interaction::body_part;
 use crate::interaction::conversation::grammar::{Leave, Request};
 use crate::interaction::tasks::{FeltOver, Trouble, tried};
 use crate::named::in_words;
+use crate::peripersonal::distance;
 
 /// Places of a part that are tried, the one that it is first.
 const TRIES: usize = 6;
@@ -192,7 +193,7 @@ impl Conversation {
             met |= !avoiding.step(&mut self.actor)?.is_empty();
             seconds += step;
         }
-        let moved = self.actor.posture().distance(&before) > MOVED;
+        let moved = distance(&self.actor.posture(), &before) > MOVED;
         let from = if touched { "I took my arm away from it, and watched" } else { "I watched" };
         let said = match (moved, met) {
             (true, false) => "I got out of the way of what came, and it did not touch me".to_string(),
