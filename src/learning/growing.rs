@@ -9,8 +9,7 @@
 //! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them most
 //! starts take the body whole: down the relaxed gradient, from the receptors' centres with relaxed axes, then
 //! by the surfaces with relaxed axes, for joints that turn little are lost in the patches and only the
-//! surfaces feel them, then on the sphere. Where most gaps close and some stay open, the joints that the open ones share are solved
-//! anew by the surfaces, all others held. Two of every four starts doubt the touches themselves: they weigh
+//! surfaces feel them, then on the sphere. Two of every four starts doubt the touches themselves: they weigh
 //! far misses less all the way down, and go by no centres. Bodies too large for that grow by the subtrees of
 //! their limbs, a hand's fingers before the arms, and leave unknown what has fewer touches than unknowns.
 //!
@@ -69,10 +68,6 @@ const FIXED_BY: usize = 4;
 /// Sizes of parts that starts in noise begin with, each of twice as many touches as the one before; the last is the whole body, as
 /// every fourth start is.
 const NOISY_SIZES: usize = 4;
-/// Rounds of mending …
-const REPAIRS: usize = 8;
-/// … and where gaps are so wide that there is noise, or little that is right.
-const NOISY_REPAIRS: usize = 3;
 
 /// How a start goes about the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -270,16 +265,15 @@ impl Nursery<'_> {
         }
         let placed = vec![true; self.agent.creature().limbs().len()];
         let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), initial_guesses };
-        let mendable = start.accepted || (route == Route::Whole && misfit.0 <= NOISY_GAP / PART_GAP);
-        if let Evidence::Surfaces(_) = self.evidence
-            && mendable
-        {
-            self.repair(&mut start, if misfit.acceptable() { REPAIRS } else { NOISY_REPAIRS }, rng);
-            if route == Route::Grown && !start.accepted {
+        if let Evidence::Surfaces(_) = self.evidence {
+            if start.accepted && route == Route::Grown {
                 self.give_up(&mut start);
             }
             // Whether what is open still may be is for all touches to say.
-            start.accepted = true;
+            start.accepted = match route {
+                Route::Grown => misfit.acceptable(),
+                Route::Whole => misfit.0 <= NOISY_GAP / PART_GAP,
+            };
         }
         start
     }
@@ -337,49 +331,13 @@ impl Nursery<'_> {
             let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
             let open = OpenGaps::new(self.agent, &used, &start.schema);
             start.accepted = open.tolerable();
-            let Some(worst) = open.worst_joint().filter(|_| !start.accepted) else { return };
+            let Some(worst) = open.worst_joint.filter(|_| !start.accepted) else { return };
             start.known[worst] = false;
         }
     }
 
     fn parameters(&self, axis_model: AxisModel, free: &dyn Fn(usize) -> bool) -> Parameters {
         Parameters::new(self.agent.creature(), axis_model, |joint| free(joint) && !self.frozen[joint])
-    }
-
-    /// Solves joints at fault anew by the surfaces, all others held, until few gaps stay open.
-    fn repair(&self, start: &mut Start, repairs: usize, rng: &mut ChaCha8Rng) {
-        let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
-        let all = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
-        let mut open = OpenGaps::new(self.agent, &used, &start.schema);
-        for round in 0..repairs {
-            start.accepted = open.tolerable();
-            if start.accepted || self.deadline.has_passed() {
-                return;
-            }
-            start.initial_guesses += 1;
-            let part = open.suspects();
-            let in_part = |joint: usize| part.contains(&joint);
-            let mut trial = start.schema.clone();
-            // First only loosened: what was nearly right falls into place. Then from other axes.
-            if round > 0 {
-                for &joint in part.iter().filter(|&&joint| !self.frozen[joint]) {
-                    let kept = trial.positions[joint];
-                    self.prior.randomize_joint(self.agent.creature(), &mut trial, joint, rng);
-                    trial.positions[joint] = kept;
-                }
-            }
-            let touches = used.filter(|pair| pair.chain.joints().any(in_part));
-            for axis_model in [AxisModel::Relaxed, AxisModel::Unit] {
-                let parameters = self.parameters(axis_model, &in_part);
-                trial = self.close(&touches, &parameters, trial).0;
-            }
-            trial = self.close(&used, &all, trial).0;
-            let found = OpenGaps::new(self.agent, &used, &trial);
-            if found.share < open.share {
-                (start.schema, open) = (trial, found);
-            }
-        }
-        start.accepted = open.tolerable();
     }
 
     /// Closes the gaps; the schema and the width that eight tenths of them stay below, metres. Relaxed axes

@@ -179,15 +179,13 @@ pub fn witnesses(
     touches.filter(|pair| testifies(&pair.chain))
 }
 
-/// How many gaps are open under a schema, in all and per joint of their chains.
+/// How many gaps are open under a schema.
 #[derive(Clone, Debug)]
 pub struct OpenGaps {
-    /// Share of open gaps among all touches.
-    pub share: f64,
-    /// Share of open gaps among the touches whose chain has the joint; 0 where these are few.
-    pub by_joint: Vec<f64>,
     /// The greatest share, of any two joints, in units of what false touches and chance may make up.
     pub worst: f64,
+    /// The joint whose touches stay open most, of those that have more than few; `None` if all are closed.
+    pub worst_joint: Option<usize>,
 }
 
 impl OpenGaps {
@@ -226,25 +224,13 @@ impl OpenGaps {
         let chance = GapTally::of_chance(agent, touches);
         let most = found.all[0] / (MOST_FALSE * found.all[1]).max(FEW);
         let worst = found.beyond(&chance).map(excess).fold(found.crowded(&chance).max(most), f64::max);
-        let [open, all] = found.all;
-        let by_joint = (0..joints).map(|joint| share(found.of(joint, joint))).collect();
-        OpenGaps { share: open / all.max(1.0), by_joint, worst }
+        let of_joints = (0..joints).map(|joint| (joint, share(found.of(joint, joint))));
+        let worst_joint = of_joints.filter(|(_, share)| *share > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
+        OpenGaps { worst, worst_joint: worst_joint.map(|(joint, _)| joint) }
     }
 
     /// Whether false touches and chance may have left open what is open, for every joint.
     pub fn tolerable(&self) -> bool {
         self.worst <= 1.0
-    }
-
-    /// The joint whose touches stay open most; none where all are closed.
-    pub fn worst_joint(&self) -> Option<usize> {
-        let shares = self.by_joint.iter().enumerate().filter(|(_, share)| **share > 0.0);
-        shares.max_by(|a, b| a.1.total_cmp(b.1)).map(|(joint, _)| joint)
-    }
-
-    /// The joints at fault: those whose touches stay open nearly as often as the worst joint's.
-    pub fn suspects(&self) -> Vec<usize> {
-        let worst = self.by_joint.iter().copied().fold(0.0, f64::max);
-        (0..self.by_joint.len()).filter(|&joint| self.by_joint[joint] > 0.6 * worst).collect()
     }
 }

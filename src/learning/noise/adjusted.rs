@@ -15,7 +15,7 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
 use super::estimate::Noise;
-use super::gap::{Compared, NoisyGap, axes_of_misses, misread, widths};
+use super::gap::{Compared, NoisyGap, axes_of_misses, widths};
 use crate::agent::Agent;
 use crate::learning::Parameters;
 use crate::learning::prediction::GapRow;
@@ -55,11 +55,10 @@ impl<'a> Adjusted<'a> {
         if noise.joint <= 0.0 {
             return adjusted;
         }
-        let (widths, misread) = (widths(agent, touches), misread(agent.creature(), compared));
         let mut moved = touches.clone();
-        for (pair, width) in moved.pairs.iter_mut().zip(widths) {
+        for (pair, width) in moved.pairs.iter_mut().zip(widths(agent, touches)) {
             for touch in &mut pair.touches {
-                let comparison = Comparison { agent, compared, misread: &misread, schema, noise, width };
+                let comparison = Comparison { agent, compared, schema, noise, width };
                 let (error, honest) = comparison.adjust(touch);
                 let axes = axes_of_misses(schema, touch);
                 adjusted.offsets.extend(comparison.offsets(touch, &axes, &error, honest));
@@ -81,7 +80,7 @@ pub fn gaps_of(
     parameters: &Parameters,
     schema: &BodySchema,
 ) -> Vec<NoisyGap> {
-    let (skin, misread) = (agent.skin(), misread(agent.creature(), compared));
+    let skin = agent.skin();
     let mut row = GapRow::default();
     let mut slopes = Vec::new();
     let mut gaps = Vec::with_capacity(compared.gaps_a_touch() * adjusted.touches.len());
@@ -96,11 +95,7 @@ pub fn gaps_of(
                     gap: row.gap - offset,
                     told: told + variance,
                     entries: row.entries.clone(),
-                    slope: slopes
-                        .iter()
-                        .filter(|(dof, _)| misread[*dof])
-                        .map(|(_, slope)| slope.powi(2))
-                        .sum(),
+                    slope: slopes.iter().map(|(_, slope)| slope.powi(2)).sum(),
                     receptors: [touch.ends[0].receptor, touch.ends[1].receptor],
                     places: row.points,
                     normals: row.normals,
@@ -129,7 +124,6 @@ pub fn gaps_of(
 struct Comparison<'a> {
     agent: &'a Agent,
     compared: Compared,
-    misread: &'a [bool],
     schema: &'a BodySchema,
     noise: &'a Noise,
     /// How far apart the limbs may be where the touch is false, metres.
@@ -176,8 +170,7 @@ impl Comparison<'_> {
         let derivatives = touch.angle_derivatives(self.schema, at.places.each_ref());
         // There may be none: of slides alone nothing is misread.
         let mut slopes = DMatrix::zeros(at.gaps.len(), derivatives.len());
-        let columns = slopes.column_iter_mut().zip(derivatives);
-        for (mut column, (_, derivative)) in columns.filter(|(_, (dof, _))| self.misread[*dof]) {
+        for (mut column, (_, derivative)) in slopes.column_iter_mut().zip(derivatives) {
             column.copy_from(&at.along.tr_mul(&derivative));
         }
         slopes
@@ -244,8 +237,7 @@ impl Comparison<'_> {
             }
         };
         let count = slopes.ncols();
-        // What is not misread has no slope.
-        for turn in (0..count).filter(|&turn| slopes.column(turn).norm_squared() > 0.0) {
+        for turn in 0..count {
             add(DVector::from_fn(count, |i, _| if i == turn { 1.0 } else { 0.0 }), 1.0);
         }
         for (k, slopes) in slopes.row_iter().enumerate() {

@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::agent::Agent;
-use crate::creature::Creature;
 use crate::kinematics::ChainSide;
 use crate::learning::observation::Observation;
 use crate::learning::prediction::row_variance;
@@ -61,17 +60,6 @@ pub(super) fn widths(agent: &Agent, touches: &TouchSet) -> Vec<f64> {
         *size = size.max(receptor.position.norm());
     }
     touches.pairs.iter().map(|pair| pair.limbs.iter().map(|&limb| sizes[limb]).sum()).collect()
-}
-
-/// Per axis of a creature, whether what is read of it is taken to be off. Of surfaces balls are not: what allows for them comes to other
-/// answers, and it is not known whether to better ones.
-pub(super) fn misread(creature: &Creature, compared: Compared) -> Vec<bool> {
-    let mut misread = vec![true; creature.dof_elements()];
-    if compared == Compared::Surfaces {
-        let elements = creature.joints().iter().flat_map(|joint| joint.elements());
-        elements.filter(|at| at.is_ball()).for_each(|at| misread[at.axis()] = false);
-    }
-    misread
 }
 
 /// Axes in the common ancestor's frame along which misread joints move the two points of a touch independently of one another, and
