@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{FEWEST_UNKNOWNS, GrownTouch, Growth, Part};
+use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::deadline::in_parallel;
 use crate::learning::annealing::quantile;
 use crate::learning::initial_guess::randomize_joint;
@@ -50,6 +50,8 @@ const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
 /// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
 const AGREEING: usize = 4;
 const SMALL: usize = 45;
+/// Touches that the first part needs, in units of its joints' unknowns, to do without limbs beyond joints that rest.
+const INNER_TOUCHES: f64 = 1.6;
 /// Touches of a limb below which the first part does without it: it only adds unknowns, and is found later.
 const OFTEN: usize = 8;
 /// Touches that a part is solved by at the most, in units of its unknowns.
@@ -188,6 +190,18 @@ impl Growth {
         let numbers: Vec<usize> =
             (0..self.touches.len()).filter(|&number| self.is_of(&self.touches[number], part)).collect();
         let mut solved_by = numbers.clone();
+        if self.belief.is_none() {
+            // Limbs beyond joints that rest only add unknowns, where touches of the others are enough.
+            let of = |number: &usize| &self.touches[*number];
+            let within =
+                |number: &usize| of(number).told.chain.iter().all(|joint| part.joints.contains(joint));
+            let inner: Vec<usize> = solved_by.iter().copied().filter(within).collect();
+            let free = inner.iter().filter(|number| of(number).freedom >= FREEDOM).count() as f64;
+            let width = self.width(&part.joints);
+            if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
+                solved_by = inner;
+            }
+        }
         let mut before = usize::MAX;
         while self.belief.is_none() && solved_by.len() < before {
             before = solved_by.len();
