@@ -330,8 +330,7 @@ impl Nursery<'_> {
         for _ in 0..start.known.len() / MOST_GIVEN_UP {
             let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
             let open = OpenGaps::new(self.agent, &used, &start.schema);
-            start.accepted = open.tolerable();
-            let Some(worst) = open.worst_joint.filter(|_| !start.accepted) else { return };
+            let Some(worst) = open.worst_joint.filter(|_| !open.tolerable()) else { return };
             start.known[worst] = false;
         }
     }

@@ -260,7 +260,7 @@ impl ReachableMap {
         self.level_of(self.reached.lattice.cell(point))
     }
 
-    /// All that the map tells of a point in its frame, with a posture that has the tip in the point's voxel or in the nearest one
+    /// All that the map knows about a point in its frame, with a posture that has the tip in the point's voxel or in the nearest one
     /// that is reached.
     pub fn whereabouts(&self, point: &Vector3<f64>) -> Reach {
         let cell = self.reached.lattice.cell(point);

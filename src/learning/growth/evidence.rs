@@ -38,12 +38,7 @@ impl Growth {
 
     /// Whether a schema has what touched meet, of surfaces within the patches that felt it.
     pub(super) fn closes(&self, touch: &GrownTouch, schema: &BodySchema) -> bool {
-        self.closes_to(CLOSED, touch, schema)
-    }
-
-    /// The same to a tolerance, metres.
-    pub(super) fn closes_to(&self, tolerance: f64, touch: &GrownTouch, schema: &BodySchema) -> bool {
-        self.scrutiny().felt_gap(tolerance, &touch.told, schema) < tolerance
+        self.scrutiny().felt_gap(CLOSED, &touch.told, schema) < CLOSED
     }
 
     /// The equations of a touch at a schema: one of surfaces, three of points.

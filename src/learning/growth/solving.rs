@@ -201,14 +201,14 @@ impl Growth {
             if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
                 solved_by = inner;
             }
-        }
-        let mut before = usize::MAX;
-        while self.belief.is_none() && solved_by.len() < before {
-            before = solved_by.len();
-            let mut counts = vec![0; creature.limbs().len()];
-            let limbs = |number: &usize| self.touches[*number].told.limbs;
-            solved_by.iter().flat_map(limbs).for_each(|limb| counts[limb] += 1);
-            solved_by.retain(|number| limbs(number).iter().all(|&limb| counts[limb] >= OFTEN));
+            let mut before = usize::MAX;
+            while solved_by.len() < before {
+                before = solved_by.len();
+                let mut counts = vec![0; creature.limbs().len()];
+                let limbs = solved_by.iter().flat_map(|number| of(number).told.limbs);
+                limbs.for_each(|limb| counts[limb] += 1);
+                solved_by.retain(|number| of(number).told.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
+            }
         }
         if solved_by.is_empty() {
             return None;

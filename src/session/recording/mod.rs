@@ -264,7 +264,7 @@ fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Erro
     let mut skin = agent.skin().clone();
     let given = skin.receptors.len();
     for (limb, points) in points.iter().enumerate() {
-        if !skin.receptors.iter().any(|receptor| receptor.limb == limb) {
+        if skin.receptors_on(limb).next().is_none() {
             skin.receptors.extend(bare_receptors(&limbs[limb], limb, points));
         }
     }
@@ -345,7 +345,7 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
 /// The receptor of a limb whose centre is nearest to a point.
 fn nearest(skin: &Skin, limb: usize, point: &Vector3<f64>) -> Option<usize> {
     let distance = |receptor: usize| (skin.receptors[receptor].position - point).norm_squared();
-    let on_limb = (0..skin.receptors.len()).filter(|&receptor| skin.receptors[receptor].limb == limb);
+    let on_limb = skin.receptors_on(limb);
     on_limb.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
 }
 
