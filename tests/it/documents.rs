@@ -11,23 +11,27 @@ use crate::common::sessions;
 use crate::common::shell::{Line, copy, run};
 
 /// The documents, in the order in which they are read; what one leaves is there for the next.
-const DOCUMENTS: [&str; 16] = [
+const DOCUMENTS: [&str; 20] = [
     "README.md",
     "docs/commands.md",
     "docs/looking.md",
     "docs/tutorial.md",
-    "docs/how-it-works.md",
+    "docs/robot.md",
+    "docs/table.md",
+    "docs/creatures.md",
+    "docs/recordings.md",
     "docs/learning.md",
     "docs/senses.md",
-    "docs/acting.md",
-    "docs/creatures.md",
-    "docs/bodies.md",
-    "docs/recordings.md",
-    "docs/calibration.md",
     "docs/many.md",
-    "docs/performance.md",
+    "docs/calibration.md",
     "docs/files.md",
     "docs/library.md",
+    "docs/how-it-works.md",
+    "docs/hersch.md",
+    "docs/results.md",
+    "docs/acting.md",
+    "docs/bodies.md",
+    "docs/performance.md",
 ];
 /// What a reader does once, to install the program and to check it, and what the tests do anyway.
 const SETTING_UP: [&str; 5] =
