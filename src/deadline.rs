@@ -5,6 +5,7 @@
 //! ([`side_by_side`]) is counted apart, from what had been done when all of it was begun.
 
 use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -25,6 +26,8 @@ pub enum Deadline {
     Clock(Instant),
     /// When so much work is done.
     Worked(u64),
+    /// When [`end_all`] asks for it, as it may for the two before.
+    Asked,
 }
 
 /// What was limited where more was to be done.
@@ -35,6 +38,8 @@ pub enum Limit {
     Work,
     /// Time on the clock.
     Seconds,
+    /// An interruption.
+    Interrupt,
 }
 
 impl std::fmt::Display for Limit {
@@ -42,6 +47,7 @@ impl std::fmt::Display for Limit {
         f.write_str(match self {
             Limit::Work => "when its budget of work was spent, with more to be done (--work, --touches)",
             Limit::Seconds => "when its time was over, with more to be done (--seconds, --touches)",
+            Limit::Interrupt => "when it was interrupted, with more to be done",
         })
     }
 }
@@ -54,6 +60,9 @@ pub struct Tally {
     /// Whether a deadline had passed where there was more to be begun.
     pub ended: bool,
 }
+
+/// Whether all deadlines of this process have come.
+static ENDING: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     static TALLY: Cell<Tally> = const { Cell::new(Tally { work: 0, ended: false }) };
@@ -91,25 +100,36 @@ impl Deadline {
     pub fn left(&self) -> Option<Duration> {
         match self {
             Deadline::Clock(moment) => Some(moment.saturating_duration_since(Instant::now())),
-            Deadline::Worked(_) | Deadline::Never => None,
+            Deadline::Worked(_) | Deadline::Asked | Deadline::Never => None,
         }
     }
 
     /// What it limits.
     pub fn limit(&self) -> Limit {
-        if matches!(self, Deadline::Clock(_)) { Limit::Seconds } else { Limit::Work }
+        match self {
+            _ if ENDING.load(Ordering::Relaxed) => Limit::Interrupt,
+            Deadline::Clock(_) => Limit::Seconds,
+            _ => Limit::Work,
+        }
     }
 
     /// Whether it has come, asked by who would begin something else.
     pub fn has_passed(&self) -> bool {
         let ended = match self {
+            Deadline::Never => false,
+            _ if ENDING.load(Ordering::Relaxed) => true,
             Deadline::Clock(moment) => *moment <= Instant::now(),
             Deadline::Worked(work) => *work <= worked(),
-            Deadline::Never => false,
+            Deadline::Asked => false,
         };
         count(Tally { work: 0, ended });
         ended
     }
+}
+
+/// Has all deadlines of this process come, or not any more: whatever is under way ends with what is known by then.
+pub fn end_all(end: bool) {
+    ENDING.store(end, Ordering::Relaxed);
 }
 
 /// Counts work that was done, in multiplications and additions.

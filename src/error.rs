@@ -60,6 +60,12 @@ impl Error {
         matches!(self.0.kind, Kind::File | Kind::Busy)
     }
 
+    /// Whether the file or folder that it is about is not there.
+    pub fn is_missing(&self) -> bool {
+        self.system() == Some(io::ErrorKind::NotFound)
+            || self.0.place.as_ref().is_some_and(|(path, line)| line.is_none() && !path.exists())
+    }
+
     /// Whether another process has the folder: the same call may succeed later.
     pub fn is_busy(&self) -> bool {
         self.0.kind == Kind::Busy

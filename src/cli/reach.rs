@@ -10,7 +10,7 @@ use super::folders::written_session;
 use super::{Failure, Outcome, output, progress};
 use crate::export::reachable_vtk;
 use crate::named::in_words;
-use crate::peripersonal::{Level, OwnBody, ReachableMap};
+use crate::peripersonal::{COARSE, FINE, Level, OwnBody, ReachableMap, voxel_side};
 use crate::session::{SpaceRecord, hands, learned_body, write_whole};
 use crate::view::space;
 use crate::view::table::Table;
@@ -59,17 +59,6 @@ fn point(text: &str) -> Result<Vector3<f64>, String> {
     }
 }
 
-/// Voxels in the longest reach where the map is asked for, and where it only helps to answer for a point.
-const FINE: f64 = 50.0;
-const COARSE: f64 = 12.0;
-
-/// A side of voxels that are about so many in a length, metres: 1, 2 or 5 of some decimal place.
-fn side_of(length: f64, many: f64) -> f64 {
-    let side = (length / many).max(1e-4);
-    let decade = 10f64.powf(side.log10().floor());
-    [5.0, 2.0, 1.0].into_iter().find(|&round| round * decade <= side).unwrap_or(1.0) * decade
-}
-
 pub fn run(args: &ReachArguments) -> Outcome {
     let _lock = written_session(&args.session)?;
     let own = learned_body(&args.session)?;
@@ -79,7 +68,7 @@ pub fn run(args: &ReachArguments) -> Outcome {
     let tips: Vec<_> = hands.iter().filter_map(|&hand| own.tip_of(hand)).collect();
     let at_alone = args.at.is_some() && args.voxel.is_none() && args.vtk.is_none() && args.picture.is_none();
     let longest = tips.iter().map(|tip| own.length_of(tip)).fold(0.0, f64::max);
-    let voxel = args.voxel.unwrap_or_else(|| side_of(longest, if at_alone { COARSE } else { FINE }));
+    let voxel = args.voxel.unwrap_or_else(|| voxel_side(longest, if at_alone { COARSE } else { FINE }));
     let began = Instant::now();
     let bar = progress::steps(tips.len() as u64);
     let mut maps = Vec::with_capacity(tips.len());

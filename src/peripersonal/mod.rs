@@ -51,7 +51,7 @@ pub use own_body::{Doubt, OwnBody};
 pub use palm::{Palm, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use posture_program::{KEPT, PosedPlace, PostureProgram};
-pub use reachable::{Level, Reach, ReachableMap};
+pub use reachable::{COARSE, FINE, Level, Reach, ReachableMap, voxel_side};
 pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
 pub use searched::{CELL, Cell, SearchedMap, SkinPoints, TablePlane};
 pub use stick::STICK_TIP;

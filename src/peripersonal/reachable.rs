@@ -25,6 +25,17 @@ const AROUND: [[i32; 3]; 7] =
     [[0, 0, 0], [-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
 /// The most steps of a posture that reaches for a point.
 const STEPS: usize = 60;
+/// Voxels in the longest reach of a map that is looked at.
+pub const FINE: f64 = 50.0;
+/// The same of a map that only helps to answer for single points.
+pub const COARSE: f64 = 12.0;
+
+/// A side of voxels that are about so many in a length, metres: 1, 2 or 5 of some decimal place.
+pub fn voxel_side(length: f64, many: f64) -> f64 {
+    let side = (length / many).max(1e-4);
+    let decade = 10f64.powf(side.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().find(|&round| round * decade <= side).unwrap_or(1.0) * decade
+}
 
 /// How far away a place is, by what it takes to get there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,6 +232,15 @@ impl ReachableMap {
         let reached = reached.cropped();
         let shell = reached.outermost();
         Ok(ReachableMap { hand, chest, frame, tip, reached, near, chains, shell, at_ease })
+    }
+
+    /// A coarse map in the frame of whatever carries the hand: [`ReachableMap::reach`] is as exact on it as on a fine one.
+    ///
+    /// # Errors
+    /// As [`ReachableMap::new`].
+    pub fn coarse(own: &OwnBody, hand: usize) -> Result<ReachableMap, Error> {
+        let length = own.tip_of(hand).map_or(0.0, |tip| own.length_of(&tip));
+        ReachableMap::new(own, hand, own.carrier_of(&[hand]), voxel_side(length, COARSE))
     }
 
     /// What the map is called: the limb that reaches, or a stick that it holds.

@@ -76,7 +76,7 @@ impl LearningOptions {
     }
 
     /// Whether a body can grow part by part with what is given: by receptors on known surfaces or by contact points, undisturbed.
-    pub(crate) fn grows(&self) -> bool {
+    pub fn grows(&self) -> bool {
         self.skin == SkinKnowledge::Surface
             && self.frames == LimbFrames::Joint
             && self.known.is_none()
@@ -100,7 +100,10 @@ impl LearningOptions {
 
     /// These options for a creature, with what a file says of its joints if there is one: a `schema.json`, whole or with some
     /// of them.
-    pub(crate) fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
+    ///
+    /// # Errors
+    /// If the file cannot be read, or the options exclude one another.
+    pub fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
         let mut options = self;
         if let Some(path) = known {
             options.check_frames(creature, true)?;

@@ -108,8 +108,8 @@ impl SessionRequest {
         let deadline = |share: f64| match (self.work(), self.seconds) {
             (Some(work), _) => Deadline::after_work_of(share * work),
             (None, Some(seconds)) => Duration::try_from_secs_f64(share * seconds)
-                .map_or(Deadline::Never, |time| Deadline::after(self.began, time)),
-            (None, None) => Deadline::Never,
+                .map_or(Deadline::Asked, |time| Deadline::after(self.began, time)),
+            (None, None) => Deadline::Asked,
         };
         let creature = embodied.creature();
         // Noise of a model's own joint sensors is noise as any.

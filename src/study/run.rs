@@ -261,7 +261,16 @@ impl StudyRun {
     /// # Errors
     /// If something cannot be measured at all.
     pub fn findings(&self) -> Result<Findings, Error> {
-        let trials = self.asked.seeds().into_par_iter().map(|seed| self.trial(seed));
+        self.findings_of(|_| true)
+    }
+
+    /// The same of the seeds that `begins` says yes to, which is asked before each trial.
+    ///
+    /// # Errors
+    /// As [`StudyRun::findings`].
+    pub fn findings_of(&self, begins: impl Fn(u64) -> bool + Sync) -> Result<Findings, Error> {
+        let seeds = self.asked.seeds().into_par_iter().filter(|seed| begins(*seed));
+        let trials = seeds.map(|seed| self.trial(seed));
         Findings::of(self.asked.clone(), trials.collect::<Result<Vec<_>, _>>()?)
     }
 }

@@ -2,9 +2,9 @@
 //! differences, and chains against the tree.
 
 use crate::common::{creature, max, take, truth};
-use bodyschema::creature::{Body, Creature, DofKind, JointSelection, Posture};
+use bodyschema::creature::{Body, Creature, DofKind, JointSelection, Posture, turn_ball};
 use bodyschema::geometry::Frame;
-use bodyschema::kinematics::{Chain, ChainSide, Freedoms, SideJacobian, limb_frames};
+use bodyschema::kinematics::{Chain, ChainSide, Freedoms, RelativePose, SideJacobian, limb_frames};
 use bodyschema::mujoco::{Data, JointKind, ObjectKind};
 use bodyschema::schema::BodySchema;
 use bodyschema::skin::skin_of;
@@ -439,5 +439,50 @@ fn a_pose_undone_gives_the_point_back() {
     for frame in limb_frames(&body.creature, &truth(&body), &posture) {
         let p = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
         assert!((frame.inverse_point(&frame.point(&p)) - p).norm() < ROUNDING);
+    }
+}
+
+#[test]
+fn a_limbs_pose_in_another_and_its_jacobian_agree_with_frames_and_central_differences() {
+    for (name, body) in creatures() {
+        let (creature, schema) = (&body.creature, &truth(&body));
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let limbs = creature.limbs().len();
+        for _ in 0..POSTURES {
+            let posture = Posture::random(creature, &mut rng);
+            let [of, wrt] = [rng.random_range(0..limbs), rng.random_range(0..limbs)];
+            let relative = RelativePose::new(creature, schema, of, wrt);
+            let frames = limb_frames(creature, schema, &posture);
+            let (pose, expected) = (relative.pose(&posture), frames[wrt].inverse() * frames[of]);
+            assert!((pose.origin - expected.origin).norm() < ROUNDING, "{name}");
+            assert!((pose.rotation - expected.rotation).norm() < ROUNDING, "{name}");
+            let mut jacobian = vec![0.0; 6 * creature.dof()];
+            relative.jacobian(&posture, &mut jacobian);
+            let mut column = 0;
+            for element in creature.elements() {
+                for k in 0..element.kind.dof() {
+                    let [after, before] = [STEP, -STEP].map(|step| {
+                        let mut moved = posture.clone();
+                        let q = element.of_mut(&mut moved);
+                        match element.kind {
+                            DofKind::Ball => turn_ball(q, &(Vector3::ith(k, step)), f64::INFINITY),
+                            _ => q[0] += step,
+                        }
+                        relative.pose(&moved)
+                    });
+                    let velocity = (after.origin - before.origin) / (2.0 * STEP);
+                    let turning =
+                        (after.rotation - before.rotation) / (2.0 * STEP) * pose.rotation.transpose();
+                    let omega = Vector3::new(turning.m32, turning.m13, turning.m21);
+                    for row in 0..3 {
+                        let [linear, angular] =
+                            [row, 3 + row].map(|row| jacobian[row * creature.dof() + column]);
+                        let off = (linear - velocity[row]).abs().max((angular - omega[row]).abs());
+                        assert!(off < DERIVATIVE, "{name}, {}: {off}", element.name);
+                    }
+                    column += 1;
+                }
+            }
+        }
     }
 }

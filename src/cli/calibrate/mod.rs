@@ -18,6 +18,7 @@ use crate::session::{
     RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
     set_prior,
 };
+use crate::view::report::calibration::as_json;
 
 /// Put a robot's numbers right by its own touches.
 ///
@@ -156,7 +157,7 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     let (touches, judged, objections) = (&touches, &judged, &objections);
     let found = Calibration { robot, touches, estimator: &estimator, fit: &fit, judged, objections };
     if args.json {
-        output::json(&results::as_json(&found))?;
+        output::json(&as_json(&found))?;
     } else {
         results::print(&found);
     }

@@ -2,19 +2,16 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
-
-use crate::calibration::{Calibration, Misses};
+use crate::calibration::Calibration;
 use crate::cli::folders::{Force, free_folder};
 use crate::cli::{Failure, Outcome, output};
-use crate::session::{FolderLock, RobotFile, RobotFormat, json_of};
+use crate::session::{FolderLock, RobotFile};
 use crate::view::report::REPORT_FILE;
-use crate::view::report::calibration::{REACH, html, tables};
+use crate::view::report::calibration::{CORRELATED, REACH, as_json, html, tables};
 
 /// The files beside the robot's and the page.
 const FILES: [&str; 4] = ["calibration.json", "quantities.csv", "residuals.csv", "correlations.csv"];
-/// Correlations from which on two parameters are named, and how many at the most.
-const CORRELATED: f64 = 0.95;
+/// Correlations that are named at the most.
 const MOST_CORRELATIONS: usize = 5;
 
 /// The folder for the results about a robot, whose file gets there as well.
@@ -47,37 +44,6 @@ pub fn print(found: &Calibration) {
     }
 }
 
-/// All as one JSON object, in metres and radians.
-pub fn as_json(found: &Calibration) -> Value {
-    let (fit, noise) = (found.fit, &found.fit.noise);
-    let quantity = |(q, quantity): (usize, &crate::calibration::robot::Quantity)| {
-        json!({
-            "name": quantity.name,
-            "unit": quantity.unit.name(),
-            "before": json_of(&quantity.nominal),
-            "after": json_of(&fit.values[q]),
-            "change": fit.values[q].distance(&quantity.nominal),
-            "deviation": found.deviations(q),
-        })
-    };
-    json!({
-        "robot": found.robot.name,
-        "touches": found.touches.len(),
-        "unknowns": found.estimator.unknowns.len(),
-        "calibrated": found.is_calibrated(),
-        "verdict": found.verdict(),
-        "objections": found.objections,
-        "cost": fit.cost,
-        "before": Misses::of(&found.before()),
-        "after": Misses::of(&fit.seen),
-        "held_out": found.judged,
-        "noise": { "points": noise.groups, "joints": noise.joint, "false_share": noise.false_share },
-        "quantities": found.open().map(quantity).collect::<Vec<_>>(),
-        "untold": found.untold(),
-        "correlations": found.correlations(CORRELATED),
-    })
-}
-
 /// Writes the robot with its new numbers, the page and the tables into a folder.
 pub fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFile) -> Outcome {
     let (name, folder) = (path.file_name().unwrap_or_default(), lock.part()?);
@@ -86,7 +52,7 @@ pub fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFi
     for sentence in &written.left_out {
         tell!("{}: {sentence}", lock.place().join(name).display());
     }
-    output::file(&folder.join(REPORT_FILE), html(found, kind(file.format)))?;
+    output::file(&folder.join(REPORT_FILE), html(found, file.format.name()))?;
     let tables = [tables::numbers(found), tables::residuals(found), tables::correlations(found)];
     let tables = tables.iter().map(|table| table.csv());
     let all = format!("{}\n", serde_json::to_string_pretty(&as_json(found))?);
@@ -96,23 +62,13 @@ pub fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFi
     Ok(lock.commit()?)
 }
 
-/// What a robot's file is called.
-pub fn kind(format: RobotFormat) -> &'static str {
-    match format {
-        RobotFormat::Urdf => "URDF",
-        RobotFormat::Mjcf => "MJCF",
-        RobotFormat::Dh => "table",
-        RobotFormat::Json => "description",
-    }
-}
-
 /// What is in the folder.
 pub fn contents(lock: &FolderLock, path: &Path, file: &RobotFile) -> String {
     let [json, tables @ ..] = FILES;
     format!(
         "{}: the {} with its new numbers, {REPORT_FILE}, {} and {json}",
         lock.place().join(path.file_name().unwrap_or_default()).display(),
-        kind(file.format),
+        file.format.name(),
         tables.join(", ")
     )
 }

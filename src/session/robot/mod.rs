@@ -49,6 +49,18 @@ pub enum RobotFormat {
     Dh,
 }
 
+impl RobotFormat {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            RobotFormat::Urdf => "URDF",
+            RobotFormat::Mjcf => "MJCF",
+            RobotFormat::Dh => "table",
+            RobotFormat::Json => "description",
+        }
+    }
+}
+
 /// A robot's file, read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotFile {

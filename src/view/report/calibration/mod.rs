@@ -3,8 +3,12 @@
 mod charts;
 pub(crate) mod tables;
 
+use serde_json::{Value, json};
+
 use super::tables::definitions;
-use crate::calibration::Calibration;
+use crate::calibration::robot::Quantity;
+use crate::calibration::{Calibration, Misses};
+use crate::session::json_of;
 use crate::view::page;
 use crate::view::table::Table;
 use crate::view::text::{error_number, escape};
@@ -12,6 +16,9 @@ use crate::view::text::{error_number, escape};
 /// What every calibration is right for.
 pub const REACH: &str = "It is right for what was touched: elsewhere offsets from self-touch alone may be worse than the maker's, \
      and priors (--prior) keep them near.";
+
+/// Correlations from which on two parameters are named.
+pub(crate) const CORRELATED: f64 = 0.95;
 
 /// A section of the page: its title, and what makes its content.
 type Section = (&'static str, fn(&Calibration) -> String);
@@ -37,6 +44,37 @@ pub fn html(found: &Calibration, kind: &str) -> String {
         escape(&found.verdict()),
     );
     page(&format!("{}: calibrated by its own touches", found.robot.name), "", &content, "")
+}
+
+/// All as one JSON object, in metres and radians.
+pub fn as_json(found: &Calibration) -> Value {
+    let (fit, noise) = (found.fit, &found.fit.noise);
+    let quantity = |(q, quantity): (usize, &Quantity)| {
+        json!({
+            "name": quantity.name,
+            "unit": quantity.unit.name(),
+            "before": json_of(&quantity.nominal),
+            "after": json_of(&fit.values[q]),
+            "change": fit.values[q].distance(&quantity.nominal),
+            "deviation": found.deviations(q),
+        })
+    };
+    json!({
+        "robot": found.robot.name,
+        "touches": found.touches.len(),
+        "unknowns": found.estimator.unknowns.len(),
+        "calibrated": found.is_calibrated(),
+        "verdict": found.verdict(),
+        "objections": found.objections,
+        "cost": fit.cost,
+        "before": Misses::of(&found.before()),
+        "after": Misses::of(&fit.seen),
+        "held_out": found.judged,
+        "noise": { "points": noise.groups, "joints": noise.joint, "false_share": noise.false_share },
+        "quantities": found.open().map(quantity).collect::<Vec<_>>(),
+        "untold": found.untold(),
+        "correlations": found.correlations(CORRELATED),
+    })
 }
 
 fn facts(found: &Calibration, kind: &str) -> String {

@@ -1,0 +1,335 @@
+//! Calibrating a robot by a log of its self-contacts.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bodyschema::calibration::{Calibration, folds, judge, objections, put_on_places, split};
+use bodyschema::session::{RobotFile, add_fixed_places};
+use bodyschema::view::report::calibration::{as_json, html};
+use bodyschema::{
+    Error as Fault, Estimator, EstimatorOptions, Judgement, Knowledge, RobotTouch, Value,
+    read_calibration_log, read_robot,
+};
+use pyo3::prelude::*;
+
+use crate::arrays::record;
+use crate::compute::{compute, warn};
+use crate::errors::{raised, wrong};
+
+/// A robot at its maker's numbers: joint poses, encoder offsets and gains, skin mounts, each a quantity with a name.
+///
+/// Parameters
+/// ----------
+/// path : path
+///     URDF, MJCF, a table of Denavit-Hartenberg numbers (CSV), or a description in JSON.
+#[pyclass(frozen, module = "bodyschema")]
+pub struct Robot {
+    file: Arc<RobotFile>,
+    path: PathBuf,
+}
+
+#[pymethods]
+impl Robot {
+    #[new]
+    fn new(py: Python, path: PathBuf) -> PyResult<Robot> {
+        let place = path.clone();
+        let file = compute(py, move |_| read_robot(&place))?.whole()?;
+        file.notes.iter().try_for_each(|note| warn(py, &format!("{}: {note}", path.display())))?;
+        Ok(Robot { file: Arc::new(file), path })
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.file.robot.name
+    }
+
+    /// The names of all quantities that may be unknown, such as `elbow.offset`.
+    #[getter]
+    fn quantities(&self) -> Vec<String> {
+        self.file.robot.quantities.iter().map(|quantity| quantity.name.clone()).collect()
+    }
+
+    /// The names of its joints' degrees of freedom.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.file.robot.dofs.iter().map(|dof| dof.name.clone()).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let robot = &self.file.robot;
+        format!(
+            "<Robot {}: {} degrees of freedom, {} links>",
+            robot.name,
+            robot.dofs.len(),
+            robot.links.len()
+        )
+    }
+}
+
+/// What a calibration found.
+#[pyclass(frozen, module = "bodyschema")]
+pub struct Fit {
+    file: Arc<RobotFile>,
+    path: PathBuf,
+    values: Vec<Value>,
+    found: serde_json::Value,
+    page: String,
+}
+
+#[pymethods]
+impl Fit {
+    /// The verdict in a sentence: what speaks against the result, if anything does.
+    #[getter]
+    fn verdict(&self) -> &str {
+        self.found["verdict"].as_str().unwrap_or_default()
+    }
+
+    /// Whether nothing speaks against it.
+    #[getter]
+    fn calibrated(&self) -> bool {
+        self.found["calibrated"] == true
+    }
+
+    /// All that was found, in metres and radians, as the program's `--json` prints it.
+    #[getter]
+    fn details<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        record(py, &self.found)
+    }
+
+    /// The quantities that were estimated as a table of columns: `name`, `unit`, `before`, `after`, `change` and `deviation`
+    /// (one standard deviation), metres and radians; of vectors lists.
+    #[getter]
+    fn quantities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("bodyschema._tables")?.call_method1("columns", (self.found["quantities"].to_string(),))
+    }
+
+    /// What of the robot these touches do not determine, in sentences.
+    #[getter]
+    fn undetermined(&self) -> Vec<String> {
+        let sentences = self.found["untold"].as_array().into_iter().flatten();
+        sentences.filter_map(|sentence| Some(sentence.as_str()?.to_string())).collect()
+    }
+
+    /// Contact residuals of held-out touches at the values found, metres: `rms`, `median`, `p95`, `max`; of several parts the mean.
+    /// None if nothing was held out.
+    #[getter]
+    fn held_out<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let parts = self.found["held_out"].as_array().filter(|parts| !parts.is_empty());
+        parts.map(|_| record(py, &self.found["held_out_after"])).transpose()
+    }
+
+    /// Contact residuals of the touches at the maker's values, metres: `rms`, `median`, `p95`, `max`.
+    #[getter]
+    fn before<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        record(py, &self.found["before"])
+    }
+
+    /// The same at the values found.
+    #[getter]
+    fn after<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        record(py, &self.found["after"])
+    }
+
+    /// Writes the robot's file with the calibrated numbers and nothing else changed. A warning tells what the format has no
+    /// place for.
+    fn save(&self, py: Python, path: PathBuf) -> PyResult<()> {
+        let written = self.file.with_values(&self.path, &self.values).map_err(raised)?;
+        std::fs::write(&path, written.bytes)?;
+        written.left_out.iter().try_for_each(|sentence| warn(py, sentence))
+    }
+
+    /// The report as one page of HTML, which stands alone.
+    fn html(&self) -> &str {
+        &self.page
+    }
+
+    /// Draws the changes of all quantities with their deviations; needs matplotlib. Returns the axes.
+    #[pyo3(signature = (ax = None))]
+    fn plot<'py>(slf: &Bound<'py, Self>, ax: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("bodyschema._plot")?.call_method1("quantities", (slf, ax))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("bodyschema._html")?.call_method1("page", (slf,))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Fit of {}: {}>", self.file.robot.name, self.verdict())
+    }
+}
+
+/// Touches that are held out.
+enum HeldOut {
+    Nothing,
+    Share(f64),
+    Folds(usize),
+    Log(PathBuf),
+}
+
+/// What a calibration comes to that outlives the numbers that it refers to.
+struct Found {
+    file: RobotFile,
+    values: Vec<Value>,
+    json: serde_json::Value,
+    page: String,
+    notes: Vec<String>,
+}
+
+/// Calibrates a robot: estimates what is unknown of it from a log of its self-contacts, and judges it by held-out touches.
+///
+/// Parameters
+/// ----------
+/// robot : Robot
+/// log : path
+///     The log of touches: comma-separated values with a column per joint, or JSON.
+/// free : str or list of str
+///     Quantities of which nothing is known, by name; * stands for any part of one, as in "*.offset".
+/// prior : dict of str to float, optional
+///     Quantities that are nearly as they are given, with their standard deviation (metres or radians).
+/// fix : str or list of str
+///     Quantities that are as they are given.
+/// held_out : float or path, optional
+///     The share of touches to hold out, such as 0.3, or another log.
+/// folds : int, optional
+///     Divide the log into so many parts and hold out each in turn, in place of `held_out`.
+/// joint_noise : float or None
+///     Standard deviation of encoders (radians, metres of slides); None estimates it.
+/// false_touches : bool
+///     Whether some touches may be false.
+/// seed : int
+///     Seed by which touches are held out.
+///
+/// Returns
+/// -------
+/// Fit
+#[pyfunction]
+#[pyo3(signature = (robot, log, *, free = None, prior = None, fix = None, held_out = None, folds = None, joint_noise = Some(0.0), false_touches = true, seed = 1))]
+#[allow(clippy::too_many_arguments)]
+pub fn calibrate(
+    py: Python,
+    robot: &Bound<Robot>,
+    log: PathBuf,
+    free: Option<&Bound<PyAny>>,
+    prior: Option<BTreeMap<String, f64>>,
+    fix: Option<&Bound<PyAny>>,
+    held_out: Option<&Bound<PyAny>>,
+    folds: Option<usize>,
+    joint_noise: Option<f64>,
+    false_touches: bool,
+    seed: u64,
+) -> PyResult<Fit> {
+    if joint_noise.is_some_and(|noise| !(noise.is_finite() && noise >= 0.0)) {
+        return Err(wrong("joint_noise: give a finite number that is not negative, or None"));
+    }
+    let held_out = held(held_out, folds)?;
+    let Robot { file, path } = robot.get();
+    let mut file = RobotFile::clone(file);
+    if let Some(name) = file.unplaced.first() {
+        return Err(wrong(format!(
+            "{}: nothing is said of where joint {name} is: give its position and axes",
+            path.display()
+        )));
+    }
+    add_fixed_places(&log, &mut file.robot).map_err(raised)?;
+    let known = |fault: String, option: &str| wrong(format!("{option}: {fault}"));
+    for pattern in names(free, "free")? {
+        file.robot.set_knowledge(&pattern, Knowledge::Free).map_err(|fault| known(fault, "free"))?;
+    }
+    for (pattern, deviation) in prior.into_iter().flatten() {
+        if !(deviation.is_finite() && deviation > 0.0) {
+            return Err(wrong(format!(
+                "prior: the deviation of {pattern} is {deviation}: give a number above 0"
+            )));
+        }
+        file.robot
+            .set_knowledge(&pattern, Knowledge::Near(deviation))
+            .map_err(|fault| known(fault, "prior"))?;
+    }
+    for pattern in names(fix, "fix")? {
+        file.robot.set_knowledge(&pattern, Knowledge::Known).map_err(|fault| known(fault, "fix"))?;
+    }
+    let options = EstimatorOptions { joint_noise, false_touches };
+    let computed = compute(py, move |watcher| {
+        watcher.begin("calibrating", 0, 0);
+        calibrated(file, &log, options, &held_out, seed)
+    })?;
+    let Found { file, values, json, page, notes } = computed.whole()?;
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    Ok(Fit { file: Arc::new(file), path: path.clone(), values, found: json, page })
+}
+
+fn calibrated(
+    file: RobotFile,
+    log: &Path,
+    options: EstimatorOptions,
+    held_out: &HeldOut,
+    seed: u64,
+) -> Result<Found, Fault> {
+    let robot = &file.robot;
+    let read = read_calibration_log(log, robot)?;
+    let (notes, touches) =
+        (read.notes.iter().map(|note| format!("{}: {note}", log.display())).collect(), read.touches);
+    let estimator = Estimator::new(robot, &touches, options);
+    let fit = estimator.fit();
+    let one = |[fitted, fresh]: [Vec<RobotTouch>; 2]| {
+        let estimator = Estimator::new(robot, &fitted, options);
+        judge(&estimator, &estimator.fit(), &fresh)
+    };
+    let judged: Vec<Judgement> = match held_out {
+        HeldOut::Nothing => Vec::new(),
+        HeldOut::Share(share) => vec![one(split(&touches, *share, seed))],
+        HeldOut::Folds(count) => {
+            folds(&touches, *count.min(&touches.len()), seed).into_iter().map(one).collect()
+        }
+        HeldOut::Log(path) => {
+            let mut fresh = read_calibration_log(path, robot)?.touches;
+            put_on_places(robot, &mut fresh);
+            vec![judge(&estimator, &fit, &fresh)]
+        }
+    };
+    let objections = objections(&estimator, &fit, &judged);
+    let found = Calibration {
+        robot,
+        touches: &touches,
+        estimator: &estimator,
+        fit: &fit,
+        judged: &judged,
+        objections: &objections,
+    };
+    let mut json = as_json(&found);
+    let after = bodyschema::calibration::Misses::mean(judged.iter().map(|judged| judged.after));
+    json["held_out_after"] = serde_json::json!(after);
+    let page = html(&found, file.format.name());
+    let values = fit.values.clone();
+    drop((objections, judged, fit));
+    Ok(Found { values, json, page, notes, file: file.clone() })
+}
+
+/// What to hold out.
+fn held(given: Option<&Bound<PyAny>>, folds: Option<usize>) -> PyResult<HeldOut> {
+    match (given, folds) {
+        (Some(_), Some(_)) => Err(wrong("held_out and folds exclude each other: give one of them")),
+        (None, None) => Ok(HeldOut::Nothing),
+        (None, Some(count)) if count >= 2 => Ok(HeldOut::Folds(count)),
+        (None, Some(count)) => Err(wrong(format!("folds: it is {count}: give a number from 2 on"))),
+        (Some(given), None) => match given.extract::<f64>() {
+            Ok(share) if share > 0.0 && share < 1.0 => Ok(HeldOut::Share(share)),
+            Ok(share) => Err(wrong(format!(
+                "held_out: it is {share}: give a share between 0 and 1, such as 0.3, or a log"
+            ))),
+            Err(_) => given
+                .extract()
+                .map(HeldOut::Log)
+                .map_err(|_| wrong("held_out: give a share such as 0.3, or the path of a log")),
+        },
+    }
+}
+
+/// A name or several.
+fn names(given: Option<&Bound<PyAny>>, option: &str) -> PyResult<Vec<String>> {
+    let Some(given) = given else { return Ok(Vec::new()) };
+    let several = given.extract::<String>().map(|one| vec![one]).or_else(|_| given.extract());
+    several.map_err(|_| wrong(format!("{option}: give a name, or a list of names")))
+}
