@@ -38,7 +38,7 @@ def _folder_of(package: str) -> pathlib.Path | None:
     return pathlib.Path(places[0]) if places else None
 
 
-def _prepare(*arguments: str) -> None:
+def _prepare() -> None:
     """Sets what the build needs, and puts the creature into the package."""
     mujoco, clang = _folder_of("mujoco"), _folder_of("clang")
     if "MUJOCO_DIR" not in os.environ and mujoco:
@@ -48,19 +48,22 @@ def _prepare(*arguments: str) -> None:
         # The package of libclang lacks the headers that belong to a compiler; those of the C compiler do.
         include = subprocess.run(["cc", "-print-file-name=include"], capture_output=True, text=True, check=True).stdout.strip()
         os.environ.setdefault("BINDGEN_EXTRA_CLANG_ARGS", f"-isystem {include}")
-    own = os.environ.get("MATURIN_PEP517_ARGS", "").split()
-    os.environ["MATURIN_PEP517_ARGS"] = " ".join([*own, *arguments])
+    arguments = os.environ.get("MATURIN_PEP517_ARGS", "") + " --auditwheel repair"
+    if "--compatibility" not in arguments:
+        # Without a value the tag is that of the oldest systems that the wheel runs on.
+        arguments += " --compatibility"
+    os.environ["MATURIN_PEP517_ARGS"] = arguments.strip()
     shutil.rmtree(PACKAGED, ignore_errors=True)
     shutil.copytree(MODEL, PACKAGED, ignore=shutil.ignore_patterns("*.md"))
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):  # type: ignore[no-untyped-def]
     """A wheel that holds MuJoCo's library under a name of its own, which keeps it apart from that of an imported mujoco."""
-    _prepare("--auditwheel", "repair")
+    _prepare()
     return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)
 
 
 def build_editable(wheel_directory, config_settings=None, metadata_directory=None):  # type: ignore[no-untyped-def]
     """The same for work on the package itself: `pip install -e .`."""
-    _prepare("--auditwheel", "repair")
+    _prepare()
     return maturin.build_editable(wheel_directory, config_settings, metadata_directory)

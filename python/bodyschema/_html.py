@@ -26,8 +26,7 @@ def touches(session: Session) -> str:
     table = session.touches
     pairs = Counter(zip(table["limb_a"], table["limb_b"], strict=True)).most_common()
     rows = "".join(
-        f"<tr><td>{html.escape(a)}</td><td>{html.escape(b)}</td><td>{count}</td></tr>"
-        for (a, b), count in pairs[:_PAIRS]
+        f"<tr><td>{html.escape(a)}</td><td>{html.escape(b)}</td><td>{count}</td></tr>" for (a, b), count in pairs[:_PAIRS]
     )
     more = f"<p>and {len(pairs) - _PAIRS} more pairs</p>" if len(pairs) > _PAIRS else ""
     return (

@@ -37,7 +37,8 @@ pub struct Creature {
 #[pymethods]
 impl Creature {
     #[new]
-    #[pyo3(signature = (model = PathBuf::from("max"), *, joints = None, root = None))]
+    #[pyo3(signature = (model = PathBuf::from("max"), *, joints = None, root = None),
+        text_signature = "(model='max', *, joints=None, root=None)")]
     fn new(py: Python, model: PathBuf, joints: Option<String>, root: Option<String>) -> PyResult<Creature> {
         let model = if model.as_os_str() == "max" { packaged(py)? } else { model };
         if model.is_dir() {

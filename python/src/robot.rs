@@ -184,11 +184,12 @@ struct Found {
 /// robot : Robot
 /// log : path
 ///     The log of touches: comma-separated values with a column per joint, or JSON.
-/// free : str or list of str
-///     Quantities of which nothing is known, by name; * stands for any part of one, as in "*.offset".
+/// free : str or list of str, optional
+///     Quantities of which nothing is known, by name; * stands for any part of one, as in "*.offset". By default all encoder
+///     offsets, if there is no `prior`.
 /// prior : dict of str to float, optional
 ///     Quantities that are nearly as they are given, with their standard deviation (metres or radians).
-/// fix : str or list of str
+/// fix : str or list of str, optional
 ///     Quantities that are as they are given.
 /// held_out : float or path, optional
 ///     The share of touches to hold out, such as 0.3, or another log.
@@ -205,7 +206,8 @@ struct Found {
 /// -------
 /// Fit
 #[pyfunction]
-#[pyo3(signature = (robot, log, *, free = None, prior = None, fix = None, held_out = None, folds = None, joint_noise = Some(0.0), false_touches = true, seed = 1))]
+#[pyo3(signature = (robot, log, *, free = None, prior = None, fix = None, held_out = None, folds = None, joint_noise = Some(0.0), false_touches = true, seed = 1),
+    text_signature = "(robot, log, *, free=None, prior=None, fix=None, held_out=None, folds=None, joint_noise=0.0, false_touches=True, seed=1)")]
 #[allow(clippy::too_many_arguments)]
 pub fn calibrate(
     py: Python,
@@ -233,6 +235,11 @@ pub fn calibrate(
         )));
     }
     add_fixed_places(&log, &mut file.robot).map_err(raised)?;
+    if !file.says_what_is_open && free.is_none() && prior.is_none() {
+        let offsets: Vec<usize> = file.robot.encoders().map(|(_, quantities)| quantities.offset).collect();
+        offsets.into_iter().for_each(|offset| file.robot.quantities[offset].knowledge[0] = Knowledge::Free);
+        warn(py, "neither free nor prior is given: estimating all encoder offsets")?;
+    }
     let known = |fault: String, option: &str| wrong(format!("{option}: {fault}"));
     for pattern in names(free, "free")? {
         file.robot.set_knowledge(&pattern, Knowledge::Free).map_err(|fault| known(fault, "free"))?;
@@ -249,6 +256,9 @@ pub fn calibrate(
     }
     for pattern in names(fix, "fix")? {
         file.robot.set_knowledge(&pattern, Knowledge::Known).map_err(|fault| known(fault, "fix"))?;
+    }
+    if !file.robot.quantities.iter().any(|quantity| quantity.is_open()) {
+        return Err(wrong("nothing is unknown: name what is by free or prior"));
     }
     let options = EstimatorOptions { joint_noise, false_touches };
     let computed = compute(py, move |watcher| {
