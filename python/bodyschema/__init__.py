@@ -15,9 +15,6 @@ Metres, radians, seconds and newtons throughout; frames and shapes stand in each
 from ._core import (
     Creature,
     Error,
-    Fit,
-    Reach,
-    Reachable,
     Robot,
     Schema,
     Session,
@@ -31,7 +28,9 @@ from ._core import (
     record,
     study,
 )
+from ._fit import Fit
 from ._progress import progress
+from ._reach import Reach, Reachable
 from ._tables import Record, Table
 
 __all__ = [

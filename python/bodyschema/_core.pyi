@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
+from ._fit import Fit
+from ._reach import Reach, Reachable
 from ._tables import Record, Table
 
 __all__ = [
     "Creature",
     "Error",
-    "Fit",
-    "Reach",
-    "Reachable",
+    "Fitted",
     "Robot",
     "Schema",
     "Session",
@@ -57,12 +57,6 @@ class _Evaluation(Record):
     hand_mm: _Summary | None
     axis_deg: _Summary
     axis_line_mm: _Summary
-
-class _Misses(Record):
-    rms: float
-    median: float
-    p95: float
-    max: float
 
 class _Learning(TypedDict, total=False):
     learner: Literal["lm", "growth", "hersch", "gradient"] | None
@@ -154,32 +148,6 @@ class Schema:
     def _repr_html_(self) -> str: ...
 
 @final
-class Reach:
-    @property
-    def posture(self) -> _Floats | None: ...
-    @property
-    def reason(self) -> str | None: ...
-    @property
-    def miss(self) -> float: ...
-    @property
-    def level(self) -> Literal["near", "far", "out of reach"]: ...
-    def __bool__(self) -> bool: ...
-
-@final
-class Reachable:
-    @property
-    def limb(self) -> str: ...
-    @property
-    def points(self) -> _Floats: ...
-    @property
-    def near(self) -> NDArray[np.bool_]: ...
-    @property
-    def voxel(self) -> float: ...
-    @property
-    def volume(self) -> float: ...
-    def __len__(self) -> int: ...
-
-@final
 class Robot:
     def __new__(cls, path: _Path) -> Robot: ...
     @property
@@ -190,27 +158,9 @@ class Robot:
     def joints(self) -> list[str]: ...
 
 @final
-class Fit:
-    @property
-    def verdict(self) -> str: ...
-    @property
-    def calibrated(self) -> bool: ...
-    @property
-    def details(self) -> Record: ...
-    @property
-    def quantities(self) -> Table: ...
-    @property
-    def undetermined(self) -> list[str]: ...
-    @property
-    def held_out(self) -> _Misses | None: ...
-    @property
-    def before(self) -> _Misses: ...
-    @property
-    def after(self) -> _Misses: ...
+class Fitted:
     def save(self, path: _Path) -> None: ...
     def html(self) -> str: ...
-    def plot(self, ax: Any = None) -> Any: ...
-    def _repr_html_(self) -> str: ...
 
 def babble(
     creature: Creature,

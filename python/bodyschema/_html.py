@@ -7,7 +7,8 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ._core import Fit, Schema, Session
+    from ._core import Schema, Session
+    from ._fit import Fit
 
 #: Pairs of limbs that are named.
 _PAIRS = 12

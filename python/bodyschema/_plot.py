@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ._core import Fit, Schema, Session
+    from ._core import Schema, Session
+    from ._fit import Fit
 
 
 def _axes(ax: Any, **options: Any) -> Any:

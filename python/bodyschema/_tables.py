@@ -45,14 +45,14 @@ class Record(dict[str, Any]):
         return [*super().__dir__(), *self]
 
 
-def record(text: str) -> Any:
-    """JSON with its objects as records."""
-    return json.loads(text, object_hook=Record)
+def record(found: Any) -> Any:
+    """JSON, or what it was read as, with its objects as records."""
+    return json.loads(found if isinstance(found, str) else json.dumps(found), object_hook=Record)
 
 
-def columns(text: str) -> Table:
-    """A JSON array of objects as a table."""
-    rows = json.loads(text)
+def columns(found: Any) -> Table:
+    """A JSON array of objects, or what it was read as, as a table."""
+    rows = json.loads(found) if isinstance(found, str) else found
     names = list(dict.fromkeys(name for row in rows for name in row))
     return Table({name: _column([row.get(name) for row in rows]) for name in names})
 

@@ -23,10 +23,8 @@ fn _core(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_class::<creature::Creature>()?;
     module.add_class::<session::Session>()?;
     module.add_class::<schema::Schema>()?;
-    module.add_class::<schema::Reach>()?;
-    module.add_class::<schema::Reachable>()?;
     module.add_class::<robot::Robot>()?;
-    module.add_class::<robot::Fit>()?;
+    module.add_class::<robot::Fitted>()?;
     module.add_function(wrap_pyfunction!(session::babble, module)?)?;
     module.add_function(wrap_pyfunction!(session::learn, module)?)?;
     module.add_function(wrap_pyfunction!(session::record, module)?)?;

@@ -13,7 +13,6 @@ use bodyschema::{
 };
 use pyo3::prelude::*;
 
-use crate::arrays::record;
 use crate::compute::{compute, warn};
 use crate::errors::{raised, wrong};
 
@@ -68,95 +67,27 @@ impl Robot {
     }
 }
 
-/// What a calibration found.
+/// What a calibration found, to be written.
 #[pyclass(frozen, module = "bodyschema")]
-pub struct Fit {
+pub struct Fitted {
     file: Arc<RobotFile>,
     path: PathBuf,
     values: Vec<Value>,
-    found: serde_json::Value,
     page: String,
 }
 
 #[pymethods]
-impl Fit {
-    /// The verdict in a sentence: what speaks against the result, if anything does.
-    #[getter]
-    fn verdict(&self) -> &str {
-        self.found["verdict"].as_str().unwrap_or_default()
-    }
-
-    /// Whether nothing speaks against it.
-    #[getter]
-    fn calibrated(&self) -> bool {
-        self.found["calibrated"] == true
-    }
-
-    /// All that was found, in metres and radians, as the program's `--json` prints it.
-    #[getter]
-    fn details<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        record(py, &self.found)
-    }
-
-    /// The quantities that were estimated as a table of columns: `name`, `unit`, `before`, `after`, `change` and `deviation`
-    /// (one standard deviation), metres and radians; of vectors lists.
-    #[getter]
-    fn quantities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("bodyschema._tables")?.call_method1("columns", (self.found["quantities"].to_string(),))
-    }
-
-    /// What of the robot these touches do not determine, in sentences.
-    #[getter]
-    fn undetermined(&self) -> Vec<String> {
-        let sentences = self.found["untold"].as_array().into_iter().flatten();
-        sentences.filter_map(|sentence| Some(sentence.as_str()?.to_string())).collect()
-    }
-
-    /// Contact residuals of held-out touches at the values found, metres: `rms`, `median`, `p95`, `max`; of several parts the mean.
-    /// None if nothing was held out.
-    #[getter]
-    fn held_out<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let parts = self.found["held_out"].as_array().filter(|parts| !parts.is_empty());
-        parts.map(|_| record(py, &self.found["held_out_after"])).transpose()
-    }
-
-    /// Contact residuals of the touches at the maker's values, metres: `rms`, `median`, `p95`, `max`.
-    #[getter]
-    fn before<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        record(py, &self.found["before"])
-    }
-
-    /// The same at the values found.
-    #[getter]
-    fn after<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        record(py, &self.found["after"])
-    }
-
-    /// Writes the robot's file with the calibrated numbers and nothing else changed. A warning tells what the format has no
-    /// place for.
+impl Fitted {
+    /// Writes the robot's file with the calibrated numbers and nothing else changed.
     fn save(&self, py: Python, path: PathBuf) -> PyResult<()> {
         let written = self.file.with_values(&self.path, &self.values).map_err(raised)?;
         std::fs::write(&path, written.bytes)?;
         written.left_out.iter().try_for_each(|sentence| warn(py, sentence))
     }
 
-    /// The report as one page of HTML, which stands alone.
+    /// The report as one page of HTML.
     fn html(&self) -> &str {
         &self.page
-    }
-
-    /// Draws the changes of all quantities with their deviations; needs matplotlib. Returns the axes.
-    #[pyo3(signature = (ax = None))]
-    fn plot<'py>(slf: &Bound<'py, Self>, ax: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("bodyschema._plot")?.call_method1("quantities", (slf, ax))
-    }
-
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("bodyschema._html")?.call_method1("page", (slf,))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<Fit of {}: {}>", self.file.robot.name, self.verdict())
     }
 }
 
@@ -209,8 +140,8 @@ struct Found {
 #[pyo3(signature = (robot, log, *, free = None, prior = None, fix = None, held_out = None, folds = None, joint_noise = Some(0.0), false_touches = true, seed = 1),
     text_signature = "(robot, log, *, free=None, prior=None, fix=None, held_out=None, folds=None, joint_noise=0.0, false_touches=True, seed=1)")]
 #[allow(clippy::too_many_arguments)]
-pub fn calibrate(
-    py: Python,
+pub fn calibrate<'py>(
+    py: Python<'py>,
     robot: &Bound<Robot>,
     log: PathBuf,
     free: Option<&Bound<PyAny>>,
@@ -221,7 +152,7 @@ pub fn calibrate(
     joint_noise: Option<f64>,
     false_touches: bool,
     seed: u64,
-) -> PyResult<Fit> {
+) -> PyResult<Bound<'py, PyAny>> {
     if joint_noise.is_some_and(|noise| !(noise.is_finite() && noise >= 0.0)) {
         return Err(wrong("joint_noise: give a finite number that is not negative, or None"));
     }
@@ -267,7 +198,8 @@ pub fn calibrate(
     })?;
     let Found { file, values, json, page, notes } = computed.whole()?;
     notes.iter().try_for_each(|note| warn(py, note))?;
-    Ok(Fit { file: Arc::new(file), path: path.clone(), values, found: json, page })
+    let fitted = Fitted { file: Arc::new(file), path: path.clone(), values, page };
+    py.import("bodyschema._fit")?.getattr("Fit")?.call1((fitted, json.to_string()))
 }
 
 fn calibrated(

@@ -248,28 +248,26 @@ impl Schema {
     /// -------
     /// Reach
     ///     Its `posture`, or None with the `reason`.
-    fn reach<'py>(&self, py: Python<'py>, limb: &str, point: &Bound<'py, PyAny>) -> PyResult<Reach> {
+    fn reach<'py>(
+        &self,
+        py: Python<'py>,
+        limb: &str,
+        point: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let [hand, _] = self.limbs(limb, None)?;
         let at = self::point(point, "point")?;
+        let made = py.import("bodyschema._reach")?.getattr("Reach")?;
         if let Some(why) = self.own.unplaced(hand) {
             let reason = format!("{limb} is not located: {why}");
-            return Ok(Reach {
-                posture: None,
-                reason: Some(reason),
-                miss: f64::INFINITY,
-                level: Level::OutOfReach,
-            });
+            return made.call1((py.None(), reason, f64::INFINITY, Level::OutOfReach.name()));
         }
         let map = self.map(py, hand)?;
         let mut reach = py.detach(|| map.reach(&map.frame.inverse_point(&at)));
         self.own.creature().couple(&mut reach.posture);
         let reached = reach.level != Level::OutOfReach;
-        Ok(Reach {
-            posture: reached.then(|| reach.posture.to_vec()),
-            reason: (!reached).then(|| format!("out of reach by {:.1} mm", 1e3 * reach.miss)),
-            miss: reach.miss,
-            level: reach.level,
-        })
+        let posture = reached.then(|| array(py, &reach.posture, &[reach.posture.len()])).transpose()?;
+        let reason = (!reached).then(|| format!("out of reach by {:.1} mm", 1e3 * reach.miss));
+        made.call1((posture, reason, reach.miss, reach.level.name()))
     }
 
     /// Where a limb gets to: a map of voxels.
@@ -281,13 +279,19 @@ impl Schema {
     /// voxel : float
     ///     The side of a voxel, metres.
     #[pyo3(signature = (limb, voxel = 0.02))]
-    fn reachable(&self, py: Python, limb: &str, voxel: f64) -> PyResult<Reachable> {
+    fn reachable<'py>(&self, py: Python<'py>, limb: &str, voxel: f64) -> PyResult<Bound<'py, PyAny>> {
         let [hand, _] = self.limbs(limb, None)?;
         positive("voxel", Some(voxel))?;
-        let (own, limb) = (self.own.clone(), limb.to_string());
+        let own = self.own.clone();
         let map =
             compute(py, move |_| ReachableMap::new(&own, hand, own.carrier_of(&[hand]), voxel))?.whole()?;
-        Ok(Reachable { map, limb })
+        let middle = |cell| map.frame.point(&map.lattice().middle(cell));
+        let points: Vec<Vector3<f64>> = map.voxels().map(|(cell, _)| middle(cell)).collect();
+        let near: Vec<bool> = map.voxels().map(|(_, level)| level == Level::Near).collect();
+        let near = py.import("numpy")?.call_method1("array", (near, "bool"))?;
+        let volume: f64 = map.volumes().iter().sum();
+        let made = py.import("bodyschema._reach")?.getattr("Reachable")?;
+        made.call1((limb, voxel, volume, vectors(py, &points)?, near))
     }
 
     /// Writes the learned body into a file. The ending chooses the format: .xml for MJCF, .urdf for URDF, .csv for a table of
@@ -351,90 +355,6 @@ impl Schema {
 fn vectors<'py>(py: Python<'py>, vectors: &[Vector3<f64>]) -> PyResult<Bound<'py, PyAny>> {
     let all: Vec<f64> = vectors.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
     array(py, &all, &[vectors.len(), 3])
-}
-
-/// What came of reaching for a point. It is true if the point is reached.
-#[pyclass(frozen, module = "bodyschema")]
-pub struct Reach {
-    posture: Option<Vec<f64>>,
-    /// Why the point is not reached; None if it is.
-    #[pyo3(get)]
-    reason: Option<String>,
-    /// How far off the limb's tip stays, metres.
-    #[pyo3(get)]
-    miss: f64,
-    level: Level,
-}
-
-#[pymethods]
-impl Reach {
-    /// The posture that reaches the point: (D,); None if there is none.
-    #[getter]
-    fn posture<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.posture.as_ref().map(|posture| array(py, posture, &[posture.len()])).transpose()
-    }
-
-    /// "near" if the limb's own joints reach it, "far" if the joints before them must move as well, else "out of reach".
-    #[getter]
-    fn level(&self) -> &'static str {
-        self.level.name()
-    }
-
-    fn __bool__(&self) -> bool {
-        self.posture.is_some()
-    }
-
-    fn __repr__(&self) -> String {
-        let why = self.reason.as_ref().map_or(String::new(), |why| format!(" ({why})"));
-        format!("<Reach {}{why}>", self.level.name())
-    }
-}
-
-/// Where a limb gets to: the voxels that its tip reaches.
-#[pyclass(frozen, module = "bodyschema")]
-pub struct Reachable {
-    map: ReachableMap,
-    /// The limb that reaches.
-    #[pyo3(get)]
-    limb: String,
-}
-
-#[pymethods]
-impl Reachable {
-    /// The middles of the voxels that are reached, in the root's frame: (M, 3), metres.
-    #[getter]
-    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (map, lattice) = (&self.map, self.map.lattice());
-        let points: Vec<_> = map.voxels().map(|(cell, _)| map.frame.point(&lattice.middle(cell))).collect();
-        vectors(py, &points)
-    }
-
-    /// Whether the limb's own joints reach them, without those before: (M,).
-    #[getter]
-    fn near<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let near: Vec<bool> = self.map.voxels().map(|(_, level)| level == Level::Near).collect();
-        py.import("numpy")?.call_method1("array", (near, "bool"))
-    }
-
-    /// The side of a voxel, metres.
-    #[getter]
-    fn voxel(&self) -> f64 {
-        self.map.lattice().voxel
-    }
-
-    /// The volume that is reached, m³.
-    #[getter]
-    fn volume(&self) -> f64 {
-        self.map.volumes().iter().sum()
-    }
-
-    fn __len__(&self) -> usize {
-        self.map.voxels().count()
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<Reachable of {}: {:.1} litres>", self.limb, 1e3 * self.volume())
-    }
 }
 
 /// Measures a schema against the truth, which enters here and nowhere else.
