@@ -99,7 +99,6 @@ impl Error {
     }
 
     /// Whether nothing in the model moves.
-    #[cfg_attr(not(feature = "cli"), allow(dead_code))]
     pub(crate) fn is_no_joints(&self) -> bool {
         self.0.kind == Kind::NoJoints
     }

@@ -1,6 +1,8 @@
 #![doc = include_str!("../docs/library.md")]
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
+// What the program alone uses.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
 // The library: at most 130 names beside those of estimation (`learning`, `calibration`), counted by `tests/it/library.rs`.
 // Each is used in a documentation test or an example. To add a name, name it here and use it there.

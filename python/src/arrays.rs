@@ -78,6 +78,28 @@ pub fn array<'py>(py: Python<'py>, numbers: &[f64], shape: &[usize]) -> PyResult
     flat.call_method1("reshape", (shape.to_vec(),))
 }
 
+/// The address of the numbers of an array.
+fn address(array: &Bound<PyAny>) -> PyResult<usize> {
+    array.getattr("ctypes")?.getattr("data")?.extract()
+}
+
+/// A new array of a shape whose zeros are filled in.
+pub fn filled<'py>(
+    py: Python<'py>,
+    shape: &[usize],
+    fill: impl FnOnce(&mut [f64]) + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let array = py.import("numpy")?.call_method1("zeros", (shape.to_vec(), "float64"))?;
+    let (count, address) = (shape.iter().product(), address(&array)?);
+    if count > 0 {
+        // SAFETY: NumPy has just made so many numbers there in one piece, and nobody else has the array yet.
+        let numbers =
+            unsafe { std::slice::from_raw_parts_mut(std::ptr::with_exposed_provenance_mut(address), count) };
+        py.detach(|| fill(numbers));
+    }
+    Ok(array)
+}
+
 /// The same of whole numbers.
 pub fn integers<'py>(py: Python<'py>, numbers: Vec<usize>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let flat = py.import("numpy")?.call_method1("array", (numbers, "int64"))?;

@@ -40,11 +40,15 @@ impl Creature {
     #[pyo3(signature = (model = PathBuf::from("max"), *, joints = None, root = None),
         text_signature = "(model='max', *, joints=None, root=None)")]
     fn new(py: Python, model: PathBuf, joints: Option<String>, root: Option<String>) -> PyResult<Creature> {
-        let model = if model.as_os_str() == "max" { packaged(py)? } else { model };
+        let is_packaged = model.as_os_str() == "max";
+        let model = if is_packaged { packaged(py)? } else { model };
         if model.is_dir() {
             let sentence =
                 format!("{}: it is a folder: give the path of an MJCF or URDF file", model.display());
             return Err(wrong(sentence));
+        }
+        if !is_packaged {
+            py.import("bodyschema._rehearsal")?.call_method1("rehearse", (&model,))?;
         }
         let joints = joints.map_or(JointSelection::Default, JointSelection::from);
         let source = ModelSource { joints, root, ..ModelSource::new(model) };

@@ -32,7 +32,19 @@ fn _core(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(schema::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(robot::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(study::study, module)?)?;
+    module.add_function(wrap_pyfunction!(rehearse, module)?)?;
     module.add_function(wrap_pyfunction!(mujoco_version, module)?)
+}
+
+/// Reads a model and computes a posture, in a process that may come to an end by it.
+#[pyfunction]
+fn rehearse(model: std::path::PathBuf) -> PyResult<()> {
+    let read = || {
+        let model = std::sync::Arc::new(bodyschema::mujoco::Model::read(&model)?.0);
+        let mut data = bodyschema::mujoco::Data::new(model)?;
+        data.kinematics().and_then(|()| data.collision().map(drop)).map_err(bodyschema::Error::from)
+    };
+    read().map_err(errors::raised)
 }
 
 /// The version of the MuJoCo that is used, such as "4.0.0".

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use bodyschema::evaluation::evaluate_claims;
 use bodyschema::export::ExportFormat;
 use bodyschema::geometry::Frame;
-use bodyschema::kinematics::RelativePose;
+use bodyschema::kinematics::{PosedLimbs, RelativePoses};
 use bodyschema::session::{BabbledSession, LearningRecord, SCHEMA_FILE};
 use bodyschema::view::report::{REPORT_FILE, write_report};
 use bodyschema::{Level, OwnBody, Posture, ReachableMap};
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::{Table, array, point, postures, record};
+use crate::arrays::{Table, array, filled, point, postures, record};
 use crate::compute::{compute, on_threads};
 use crate::creature::Creature;
 use crate::errors::{Error, wrong};
@@ -54,30 +54,62 @@ impl Schema {
         Ok([limb(creature, of)?, wrt.map_or(Ok(0), |wrt| limb(creature, wrt))?])
     }
 
-    /// A result of so many numbers per posture, with an axis for the postures unless there is but one.
-    fn each<'py>(
+    /// A result of a shape per posture, with an axis for the postures unless there is but one. What `begin` makes is used for
+    /// many postures.
+    fn each<'py, B>(
         &self,
-        py: Python<'py>,
-        q: &Bound<PyAny>,
+        q: &Bound<'py, PyAny>,
         shape: &[usize],
-        fill: impl Fn(&Posture, &mut [f64]) + Sync,
+        begin: impl Fn() -> B + Sync,
+        fill: impl Fn(&Posture, &mut B, &mut [f64]) + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (postures, single) = postures(q, "q", self.own.creature())?;
         let size = shape.iter().product::<usize>();
-        let mut all = vec![0.0; size * postures.len()];
-        py.detach(|| {
+        let several = if single { Vec::new() } else { vec![postures.len()] };
+        filled(q.py(), &[&several, shape].concat(), |all| {
             let one = |(numbers, postures): (&mut [f64], &[Posture])| {
-                numbers.chunks_mut(size).zip(postures).for_each(|(numbers, posture)| fill(posture, numbers));
+                let mut room = begin();
+                let each = numbers.chunks_mut(size).zip(postures);
+                each.for_each(|(numbers, posture)| fill(posture, &mut room, numbers));
             };
-            if postures.len() <= BATCH {
-                one((&mut all, &postures));
+            if size == 0 {
+                // There is no limb.
+            } else if postures.len() <= BATCH {
+                one((all, &postures));
             } else {
                 let batches = all.par_chunks_mut(size * BATCH).zip(postures.par_chunks(BATCH));
                 on_threads(|| batches.for_each(one));
             }
-        });
-        let several = if single { Vec::new() } else { vec![postures.len()] };
-        array(py, &all, &[&several, shape].concat())
+        })
+    }
+
+    /// The same of one limb or several, with an axis for these.
+    fn each_limb<'py>(
+        &self,
+        limbs: &Bound<'py, PyAny>,
+        q: &Bound<'py, PyAny>,
+        wrt: Option<&str>,
+        shape: [usize; 2],
+        fill: impl Fn(&RelativePoses, usize, &PosedLimbs, &mut [f64]) + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (creature, schema) = (self.own.creature(), &self.own.schema);
+        let one = limbs.extract::<String>();
+        let names = one.as_ref().map_or_else(|_| limbs.extract(), |one| Ok(vec![one.clone()]))?;
+        let found = names.iter().map(|name| limb(creature, name)).collect::<PyResult<Vec<usize>>>()?;
+        let wrt = wrt.map_or(Ok(0), |wrt| limb(creature, wrt))?;
+        let relative = RelativePoses::new(creature, schema, &found, wrt);
+        let several = if one.is_ok() { Vec::new() } else { vec![names.len()] };
+        let all = [several, shape.to_vec()].concat();
+        self.each(
+            q,
+            &all,
+            || relative.room(),
+            |posture, posed, numbers| {
+                relative.put(posture, posed);
+                let each = numbers.chunks_mut(shape[0] * shape[1]).enumerate();
+                each.for_each(|(k, numbers)| fill(&relative, k, posed, numbers));
+            },
+        )
     }
 
     fn map(&self, py: Python, hand: usize) -> PyResult<Arc<ReachableMap>> {
@@ -150,11 +182,11 @@ impl Schema {
         vectors(py, &self.own.schema.axes)
     }
 
-    /// The pose of a limb.
+    /// The pose of a limb, or of several at once.
     ///
     /// Parameters
     /// ----------
-    /// limb : str
+    /// limb : str or list of str
     /// q : array_like, shape (D,) or (N, D)
     ///     Postures: radians, metres.
     /// wrt : str, optional
@@ -162,14 +194,17 @@ impl Schema {
     ///
     /// Returns
     /// -------
-    /// ndarray, shape (4, 4) or (N, 4, 4)
+    /// ndarray, shape (4, 4) or (N, 4, 4); of L limbs (L, 4, 4) or (N, L, 4, 4)
     ///     Homogeneous transforms X with p_wrt = X p_limb, metres.
     #[pyo3(signature = (limb, q, *, wrt = None))]
-    fn pose<'py>(&self, limb: &str, q: &Bound<'py, PyAny>, wrt: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
-        let [of, wrt] = self.limbs(limb, wrt)?;
-        let relative = RelativePose::new(self.own.creature(), &self.own.schema, of, wrt);
-        self.each(q.py(), q, &[4, 4], |posture, pose| {
-            let Frame { rotation, origin } = relative.pose(posture);
+    fn pose<'py>(
+        &self,
+        limb: &Bound<'py, PyAny>,
+        q: &Bound<'py, PyAny>,
+        wrt: Option<&str>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.each_limb(limb, q, wrt, [4, 4], |relative, k, posed, pose| {
+            let Frame { rotation, origin } = relative.pose(k, posed);
             for row in 0..3 {
                 (0..3).for_each(|column| pose[4 * row + column] = rotation[(row, column)]);
                 pose[4 * row + 3] = origin[row];
@@ -178,7 +213,7 @@ impl Schema {
         })
     }
 
-    /// The Jacobian of a limb's pose.
+    /// The Jacobian of a limb's pose, or of several at once.
     ///
     /// Parameters
     /// ----------
@@ -187,21 +222,19 @@ impl Schema {
     ///
     /// Returns
     /// -------
-    /// ndarray, shape (6, F) or (N, 6, F)
+    /// ndarray, shape (6, F) or (N, 6, F); of L limbs (L, 6, F) or (N, L, 6, F)
     ///     The velocity of the limb's origin (m) and the limb's angular velocity (rad), both in the frame of `wrt`, per change of
     ///     each of the F degrees of freedom. A hinge or a slide has one column; a ball has three, for turns about the axes of the
     ///     frame before it. Without balls F is D.
     #[pyo3(signature = (limb, q, *, wrt = None))]
     fn jacobian<'py>(
         &self,
-        limb: &str,
+        limb: &Bound<'py, PyAny>,
         q: &Bound<'py, PyAny>,
         wrt: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let [of, wrt] = self.limbs(limb, wrt)?;
-        let relative = RelativePose::new(self.own.creature(), &self.own.schema, of, wrt);
         let shape = [6, self.own.creature().dof()];
-        self.each(q.py(), q, &shape, |posture, jacobian| relative.jacobian(posture, jacobian))
+        self.each_limb(limb, q, wrt, shape, |relative, k, posed, out| relative.jacobian(k, posed, out))
     }
 
     /// How well the position of a point of a limb is known, by the touches.
@@ -228,10 +261,15 @@ impl Schema {
         let limbs = self.limbs(limb, wrt)?;
         let tip = || self.own.tip_of(limbs[0]).map_or(Vector3::zeros(), |tip| tip.point);
         let at = point.map_or_else(|| Ok(tip()), |point| self::point(point, "point"))?;
-        self.each(q.py(), q, &[], |posture, std| {
-            let covariance = self.own.covariance(posture, limbs, &at);
-            std[0] = covariance.map_or(f64::INFINITY, |covariance| covariance.trace().max(0.0).sqrt());
-        })
+        self.each(
+            q,
+            &[],
+            || (),
+            |posture, (), std| {
+                let covariance = self.own.covariance(posture, limbs, &at);
+                std[0] = covariance.map_or(f64::INFINITY, |covariance| covariance.trace().max(0.0).sqrt());
+            },
+        )
     }
 
     /// Seeks a posture that brings a limb to a point. Only the joints' ranges count: whether limbs are in each other's way is

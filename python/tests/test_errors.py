@@ -62,6 +62,7 @@ POSTURES: dict[str, Callable[[Any], Any]] = {
 VALUE: dict[str, Call] = {
     **{f"{name} of {what}": call for what, change in POSTURES.items() for name, call in q(change)},
     "limb": lambda g: g.schema.pose("nobody", g.q),
+    "limb of several": lambda g: g.schema.pose(["head", "nobody"], g.q),
     "limb empty": lambda g: g.schema.pose("", g.q),
     "limb zero byte": lambda g: g.schema.pose("a\0b", g.q),
     "wrt": lambda g: g.schema.pose("head", g.q, wrt="nobody"),
@@ -193,6 +194,7 @@ TYPE: dict[str, Call] = {
     "evaluate nothing": lambda g: bs.evaluate(None, g.creature),
     "pose without postures": lambda g: g.schema.pose("head"),
     "pose of a number": lambda g: g.schema.pose(3, g.q),
+    "pose of numbers": lambda g: g.schema.pose([1, 2], g.q),
     "calibrate a path": lambda g: bs.calibrate("arms.urdf", g.log),
     "prior a list": lambda g: bs.calibrate(g.robot, g.log, prior=["*.offset"]),
     "study creature": lambda g: bs.study("learners", seeds=range(1), creature="max"),
@@ -238,6 +240,14 @@ def test_sentences_are_those_of_the_program() -> None:
     with pytest.raises(FileNotFoundError) as raised:
         bs.Creature("no/such.xml")
     assert str(raised.value) == "no/such.xml: there is no such file; give the path of an MJCF or URDF file"
+
+
+def test_a_model_on_which_the_engine_crashes_is_refused(given: Given) -> None:
+    given.file("text.obj", "v a b c\nv 1 2\n")
+    model = """<mujoco><asset><mesh name="m" file="text.obj"/></asset><worldbody>
+    <body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
+    with pytest.raises(bs.Error, match=r"crash\.xml"):
+        bs.Creature(given.file("crash.xml", model))
 
 
 def test_attributes_cannot_be_set(given: Given) -> None:

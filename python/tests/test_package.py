@@ -85,6 +85,16 @@ def test_postures_at_once_are_postures_one_by_one(schema: bs.Schema, creature: b
         assert function("left_hand", q[:0]).shape == (0, *at_once.shape[1:])
 
 
+def test_limbs_at_once_are_limbs_one_by_one(schema: bs.Schema, creature: bs.Creature) -> None:
+    q, limbs = creature.sample_postures(100, seed=8), creature.limbs
+    for function in [schema.pose, schema.jacobian]:
+        at_once = function(limbs, q, wrt="head")
+        assert np.array_equal(at_once, np.stack([function(limb, q, wrt="head") for limb in limbs], axis=1))
+        assert np.array_equal(function(limbs, q[0], wrt="head"), at_once[0])
+        assert function([], q).shape == (100, 0, *at_once.shape[2:])
+    assert np.allclose(schema.pose("head", q, wrt="head"), np.eye(4), atol=1e-12)
+
+
 def test_slides_move_as_their_jacobians_say(crane: bs.Creature) -> None:
     schema = bs.learn(bs.babble(crane, touches=60, policy="random"))
     limb = crane.limbs[-1]

@@ -9,7 +9,7 @@ mod freedom;
 mod inverse;
 mod place_chain;
 mod quadratic;
-mod relative_pose;
+mod relative_poses;
 mod rotation;
 
 pub use chain::{Chain, ChainSide, PoseJacobian, SideJacobian};
@@ -19,5 +19,5 @@ pub use freedom::{FreeMotions, Freedoms};
 pub use inverse::{InverseKinematics, REACHED, Reach};
 pub use place_chain::{Place, PlaceChain, Workspace};
 pub use quadratic::{Condition, Optimum, QuadraticProgram};
-pub use relative_pose::RelativePose;
+pub use relative_poses::{PosedLimbs, RelativePoses};
 pub use rotation::{axis_derivative, rotation, skew};

@@ -47,7 +47,6 @@ pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRow, read_learning_table, write_learning_table};
 pub(crate) use log::wide_ranges;
 pub use map_file::{read_map, write_map};
-#[cfg_attr(not(feature = "cli"), allow(unused_imports))]
 pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use observer::{LearningStep, Observer, Phase};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};

@@ -19,7 +19,6 @@ mod shares;
 mod subject;
 mod table;
 
-#[cfg_attr(not(feature = "cli"), allow(unused_imports))]
 pub(crate) use bodies::by_default;
 pub use run::{Asked, Findings, StudyOptions, StudyRun, Trial};
 pub use shares::StudyShare;

@@ -4,7 +4,7 @@
 use crate::common::{creature, max, take, truth};
 use bodyschema::creature::{Body, Creature, DofKind, JointSelection, Posture, turn_ball};
 use bodyschema::geometry::Frame;
-use bodyschema::kinematics::{Chain, ChainSide, Freedoms, RelativePose, SideJacobian, limb_frames};
+use bodyschema::kinematics::{Chain, ChainSide, Freedoms, RelativePoses, SideJacobian, limb_frames};
 use bodyschema::mujoco::{Data, JointKind, ObjectKind};
 use bodyschema::schema::BodySchema;
 use bodyschema::skin::skin_of;
@@ -451,13 +451,19 @@ fn a_limbs_pose_in_another_and_its_jacobian_agree_with_frames_and_central_differ
         for _ in 0..POSTURES {
             let posture = Posture::random(creature, &mut rng);
             let [of, wrt] = [rng.random_range(0..limbs), rng.random_range(0..limbs)];
-            let relative = RelativePose::new(creature, schema, of, wrt);
+            let relative = RelativePoses::new(creature, schema, &[0, of], wrt);
+            let mut posed = relative.room();
+            let mut pose_at = |posture: &[f64]| {
+                relative.put(posture, &mut posed);
+                relative.pose(1, &posed)
+            };
+            let (mut here, mut jacobian) = (relative.room(), vec![0.0; 6 * creature.dof()]);
+            relative.put(&posture, &mut here);
+            relative.jacobian(1, &here, &mut jacobian);
             let frames = limb_frames(creature, schema, &posture);
-            let (pose, expected) = (relative.pose(&posture), frames[wrt].inverse() * frames[of]);
+            let (pose, expected) = (pose_at(&posture), frames[wrt].inverse() * frames[of]);
             assert!((pose.origin - expected.origin).norm() < ROUNDING, "{name}");
             assert!((pose.rotation - expected.rotation).norm() < ROUNDING, "{name}");
-            let mut jacobian = vec![0.0; 6 * creature.dof()];
-            relative.jacobian(&posture, &mut jacobian);
             let mut column = 0;
             for element in creature.elements() {
                 for k in 0..element.kind.dof() {
@@ -468,7 +474,7 @@ fn a_limbs_pose_in_another_and_its_jacobian_agree_with_frames_and_central_differ
                             DofKind::Ball => turn_ball(q, &(Vector3::ith(k, step)), f64::INFINITY),
                             _ => q[0] += step,
                         }
-                        relative.pose(&moved)
+                        pose_at(&moved)
                     });
                     let velocity = (after.origin - before.origin) / (2.0 * STEP);
                     let turning =
