@@ -161,7 +161,7 @@ pub fn on_threads<T: Send>(run: impl FnOnce() -> T + Send) -> T {
         return run();
     }
     let mut forked = FORKED.lock().unwrap_or_else(PoisonError::into_inner);
-    if !forked.as_ref().is_some_and(|(of, _)| *of == process) {
+    if forked.as_ref().is_none_or(|(of, _)| *of != process) {
         // A pool of the process before has no threads here to wait for.
         std::mem::forget(forked.take());
         *forked = rayon::ThreadPoolBuilder::new().build().ok().map(|pool| (process, Arc::new(pool)));

@@ -96,7 +96,7 @@ impl Creature {
     #[getter]
     fn ranges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let ranges = self.embodied.creature().dofs().flat_map(|dof| match dof.kind {
-            DofKind::Ball => vec![-1.0, 1.0].repeat(4),
+            DofKind::Ball => [-1.0, 1.0].repeat(4),
             _ => dof.range.to_vec(),
         });
         let ranges: Vec<f64> = ranges.collect();

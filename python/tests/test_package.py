@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import bodyschema as bs
 import numpy as np
@@ -77,7 +78,8 @@ def test_poses_are_rigid_and_their_jacobians_are_differences(schema: bs.Schema, 
 
 def test_postures_at_once_are_postures_one_by_one(schema: bs.Schema, creature: bs.Creature) -> None:
     q = creature.sample_postures(300, seed=6)
-    for function in [schema.pose, schema.jacobian, schema.position_std]:
+    functions: list[Callable[..., Any]] = [schema.pose, schema.jacobian, schema.position_std]
+    for function in functions:
         at_once = function("left_hand", q)
         assert np.array_equal(at_once, np.array([function("left_hand", one) for one in q]))
         assert np.array_equal(at_once, function("left_hand", q[:, ::-1][:, ::-1]))
@@ -87,7 +89,8 @@ def test_postures_at_once_are_postures_one_by_one(schema: bs.Schema, creature: b
 
 def test_limbs_at_once_are_limbs_one_by_one(schema: bs.Schema, creature: bs.Creature) -> None:
     q, limbs = creature.sample_postures(100, seed=8), creature.limbs
-    for function in [schema.pose, schema.jacobian]:
+    functions: list[Callable[..., Any]] = [schema.pose, schema.jacobian]
+    for function in functions:
         at_once = function(limbs, q, wrt="head")
         assert np.array_equal(at_once, np.stack([function(limb, q, wrt="head") for limb in limbs], axis=1))
         assert np.array_equal(function(limbs, q[0], wrt="head"), at_once[0])
