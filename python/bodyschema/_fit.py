@@ -38,7 +38,7 @@ class Fit:
 
     @property
     def undetermined(self) -> list[str]:
-        """What of the robot these touches do not determine, in sentences."""
+        """The quantities that these touches do not determine, in sentences."""
         return list(self.details.untold)
 
     @property
@@ -58,8 +58,8 @@ class Fit:
         return Record(self.details.after)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the robot's file with the calibrated numbers and nothing else changed. A warning tells what the format has no
-        place for."""
+        """Writes the robot's file with the calibrated numbers and nothing else changed. A warning names what the format
+        has no place for."""
         self._fitted.save(path)
 
     def html(self) -> str:

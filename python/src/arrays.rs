@@ -45,7 +45,7 @@ pub fn point(given: &Bound<PyAny>, name: &str) -> PyResult<Vector3<f64>> {
 /// Postures of a creature, and whether it was a single one without an axis for several.
 ///
 /// # Errors
-/// If it is no array of shape (D,) or (N, D), or of what is no posture.
+/// If it is no array of shape (D,) or (N, D), or has a quaternion that is not a unit one.
 pub fn postures(given: &Bound<PyAny>, name: &str, creature: &Creature) -> PyResult<(Vec<Posture>, bool)> {
     let (found, shape) = numbers(given, name)?;
     let width = creature.coordinates();

@@ -33,7 +33,7 @@ pub fn remember_process() {
 /// How far a computation has come, and what a person should know of it.
 #[derive(Default)]
 pub struct Watcher {
-    /// What is under way: its name, and how many steps it has at most; 0 if that is not known.
+    /// The current phase and its number of steps at most; 0 if unknown.
     phase: Mutex<(&'static str, usize)>,
     done: AtomicUsize,
     notes: Mutex<Vec<String>>,
@@ -98,7 +98,7 @@ impl<T> Computed<T> {
     }
 }
 
-/// Computes something. The first interruption has it come to its end with what is known by then, the second one leaves it.
+/// Computes in a thread. The first interruption ends the computation early with a partial result, the second one abandons it.
 ///
 /// # Errors
 /// If it fails, or is left.

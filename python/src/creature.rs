@@ -22,8 +22,8 @@ const MOST_NUMBERS: usize = 1 << 28;
 /// Parameters
 /// ----------
 /// model : str or path
-///     "max", the virtual human that comes with the package, or the path of an MJCF or URDF file. A skin is grown on limbs
-///     without touch sensors, of which a warning tells.
+///     "max", the virtual human that comes with the package, or the path of an MJCF or URDF file. On limbs
+///     without touch sensors a skin is grown, with a warning.
 /// joints : str, optional
 ///     The joints that move: a set that the model names (such as "torso"), "all", or names separated by commas. By default
 ///     "torso" if the model names it, else all.

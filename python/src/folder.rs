@@ -1,4 +1,4 @@
-//! A folder of results: one that somebody named, or one that lasts as long as what is in it is used.
+//! A folder of results: a named one, or a temporary one that is removed when its last user goes.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};

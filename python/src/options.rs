@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::errors::{raised, wrong};
 
-/// What is asked of a learner.
+/// The options of a learner.
 #[derive(Clone, Default)]
 pub struct Learning {
     pub learner: Option<&'static dyn LearnerKind>,

@@ -108,7 +108,7 @@ struct Found {
     notes: Vec<String>,
 }
 
-/// Calibrates a robot: estimates what is unknown of it from a log of its self-contacts, and judges it by held-out touches.
+/// Calibrates a robot: estimates its unknown quantities from a log of its self-contacts, and judges them by held-out touches.
 ///
 /// Parameters
 /// ----------
@@ -189,7 +189,7 @@ pub fn calibrate<'py>(
         file.robot.set_knowledge(&pattern, Knowledge::Known).map_err(|fault| known(fault, "fix"))?;
     }
     if !file.robot.quantities.iter().any(|quantity| quantity.is_open()) {
-        return Err(wrong("nothing is unknown: name what is by free or prior"));
+        return Err(wrong("no quantity is unknown: name some by free or prior"));
     }
     let options = EstimatorOptions { joint_noise, false_touches };
     let computed = compute(py, move |watcher| {

@@ -1,4 +1,4 @@
-//! A learned body schema: what is known, kinematics, and reaching.
+//! A learned body schema: its account, kinematics, and reaching.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -152,7 +152,7 @@ impl Schema {
         self.own.agent().limbs_with_skin().into_iter().filter_map(reason).collect()
     }
 
-    /// What is known of each limb with skin, the worst known first, as a table of columns: `limb`, its `touches`, those that
+    /// How well each limb with skin is located, the worst first, as a table of columns: `limb`, its `touches`, those that
     /// support the schema (`supporting`), how far off its skin may be at 95 % in the frame of another located limb, where it is
     /// known best (`best`) and worst (`worst`, metres, infinite without a bound), and `why` it is not located, or None.
     #[getter]

@@ -164,7 +164,7 @@ impl Session {
 /// A creature explores its body: it moves about and stops where its skin touches its skin. The same seed and the same MuJoCo
 /// give the same touches as the program `bodyschema babble`, byte for byte.
 ///
-/// An interruption (Ctrl-C) ends babbling and keeps the touches made so far; a second one gives up.
+/// An interruption (Ctrl-C) ends babbling and keeps the touches made so far; a second one abandons it.
 ///
 /// Parameters
 /// ----------
@@ -243,7 +243,7 @@ pub fn babble(
 /// Learns a body schema from touches alone: where the joints are and how they turn. With no options this is what the program
 /// does after babbling, to the last bit.
 ///
-/// An interruption (Ctrl-C) ends the search with what is known by then; a second one gives up.
+/// An interruption (Ctrl-C) ends the search early and returns the best schema so far; a second one abandons it.
 ///
 /// Parameters
 /// ----------
@@ -259,7 +259,7 @@ pub fn babble(
 /// frames : {"joint", "limb"}, optional
 ///     The frames in which points on limbs are given: those of the joints, or the limbs' own.
 /// known : path, optional
-///     A file of what is known of joints a priori: a schema.json, whole or in part.
+///     A file of prior knowledge of joints: a schema.json, whole or in part.
 /// joint_noise_deg, receptor_noise_mm, point_noise_mm, false_touches : float, optional
 ///     Disturbances between the exact touches and the learner: standard deviations in degrees and millimetres, and the share
 ///     of touches with a wrong receptor.

@@ -28,7 +28,7 @@ const MOST_TRIALS: u64 = 1_000_000;
 /// work : float, optional
 ///     Work that a case may take, of the study bodies: about what one core does in so many seconds.
 /// creature : Creature, optional
-///     Who is studied, unless the seeds make it.
+///     The creature to study, unless the seeds generate one.
 ///
 /// Returns
 /// -------
