@@ -6,12 +6,14 @@
 //! themselves show, so that noisy joints or false touches do not turn the fit into a vote of a few.
 
 use crate::agent::Agent;
+use crate::creature::Creature;
 use crate::deadline::Deadline;
 use crate::learning::Parameters;
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::observation::PointsMeet;
 use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -37,7 +39,18 @@ const LAST_ITERATIONS: usize = 30;
 /// Without noise the gaps of a right answer close four times as far with every step once the deviation is below this, metres; …
 const NEARLY_CLOSED: f64 = 3e-4;
 /// … of what leaves gaps of this share of the deviation then, nothing will come.
-const HOPELESS: f64 = 0.5;
+const SLOWLY: f64 = 0.5;
+
+/// Fits to points with relaxed axes, and half as many on the sphere; …
+pub const POINT_FITS: usize = 10;
+/// … steps of each, …
+const POINT_STEPS: usize = 6;
+/// … and how wide it is, in units of what half of all touches leave apart, and in deviations at the least.
+const WIDTH: f64 = 2.0;
+const LEAST_WIDTH: f64 = 3.0;
+/// Half of all touches leave receptors fewer deviations apart where an answer is near: right ones of a whole body 1.5 at the most,
+/// most wrong ones 2.2 and more.
+pub const HOPELESS: f64 = 2.0;
 
 /// When annealing ends.
 #[derive(Clone, Copy, Debug)]
@@ -89,6 +102,36 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
         return 0.0;
     }
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// How many deviations the points that touched stay apart in half of all touches.
+pub fn usual_miss(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let miss =
+        |touch: &PreparedTouch| PointsMeet::Anyhow.squared_misfit(&touch.ends, &touch.frames(schema)).sqrt();
+    let mut misses: Vec<f64> = touches.touches().map(miss).collect();
+    misses.sort_by(f64::total_cmp);
+    quantile(&misses, 0.5)
+}
+
+/// Fits `parameters` to receptors' centres, or contact points, from any schema, so many times until a deadline. What is farther
+/// apart than most counts little, for it may be a false touch: at first nothing is near, and all count.
+pub fn meet(
+    creature: &Creature,
+    touches: &TouchSet,
+    parameters: &Parameters,
+    prior: &dyn PriorTerm,
+    start: BodySchema,
+    (fits, deadline): (usize, Deadline),
+) -> BodySchema {
+    let stopping = Stopping { iterations: POINT_STEPS, relative_cost: 1e-4, cost: 0.0, deadline };
+    let mut schema = start;
+    for _ in 0..fits {
+        let width = LEAST_WIDTH.max(WIDTH * usual_miss(touches, &schema));
+        let model = PointsMeet::Mostly(width);
+        let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
+        schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+    }
+    schema
 }
 
 /// Fits `parameters` to the surfaces of `touches` from a schema that is right to centimetres.
@@ -149,7 +192,7 @@ pub fn anneal_to(
         if noise < least {
             (least, best) = (noise, schema.clone());
         }
-        if exact && deviation < NEARLY_CLOSED && noise > HOPELESS * deviation {
+        if exact && deviation < NEARLY_CLOSED && noise > SLOWLY * deviation {
             return annealed(best, least);
         }
         // Narrower than the noise the fit becomes a vote of a few; a little way into it shows that it is noise.

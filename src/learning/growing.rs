@@ -7,11 +7,10 @@
 //! residual; release everything known so far on all touches used; repeat.
 //!
 //! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them most
-//! starts take the body whole: down the relaxed gradient, from the receptors' centres with relaxed axes, then
-//! by the surfaces with relaxed axes, for joints that turn little are lost in the patches and only the
-//! surfaces feel them, then on the sphere. Two of every four starts doubt the touches themselves: they weigh
-//! far misses less all the way down, and go by no centres. Bodies too large for that grow by the subtrees of
-//! their limbs, a hand's fingers before the arms, and leave unknown what has fewer touches than unknowns.
+//! starts take the body whole: from the receptors' centres with relaxed axes, then by the surfaces with relaxed
+//! axes, for joints that turn little are lost in the patches and only the surfaces feel them, then on the sphere.
+//! Bodies too large for that grow by the subtrees of their limbs, a hand's fingers before the arms, and leave
+//! unknown what has fewer touches than unknowns.
 //!
 //! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
@@ -19,11 +18,12 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::agent::Agent;
 use crate::deadline::Deadline;
-use crate::learning::annealing::{AnnealingLimits, NARROWEST, WIDEST, anneal_to, gaps, quantile};
+use crate::learning::annealing::{
+    AnnealingLimits, HOPELESS, NARROWEST, POINT_FITS, WIDEST, anneal_to, gaps, meet, quantile, usual_miss,
+};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::OpenGaps;
-use crate::learning::relaxed_gradient::{MissWeights, descend};
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
@@ -44,18 +44,10 @@ const NOISY_GAP: f64 = 0.04;
 const CERTAIN_GAP: f64 = 2e-5;
 /// … to this share of it.
 const AGREEMENT: f64 = 0.01;
-/// Steps down the relaxed gradient from an initial guess: a tenth of a second …
-const DESCENT: usize = 100_000;
-/// … and where the descent doubts the touches themselves.
-const DOUBTING_DESCENT: usize = 400_000;
 /// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that
 /// turn little are caught in one wrong minimum or another, and which depends on this.
 const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 
-/// Centres that miss by more than this many of their deviations are a wrong minimum: no need to anneal.
-const HOPELESS: f64 = 1.2;
-/// The same before axes are put on the sphere.
-const HOPELESS_RELAXED: f64 = 1.6;
 const HOPELESS_MISFIT: f64 = 100.0;
 /// Equations that a joint has to spare at the least.
 const SPARE: usize = 3;
@@ -166,12 +158,6 @@ impl Evidence<'_> {
             _ if !self.exact() && (dof > WHOLE_DOF || start % 8 == 5) => Route::Grown,
             _ => Route::Whole,
         }
-    }
-
-    /// Whether an initial guess goes down the gradient first. Coarse places need it; exact ones find the answer of a
-    /// small part as well without, and at times where the gradient does not.
-    fn descends(&self, initial_guess: usize) -> bool {
-        !self.exact() || initial_guess.is_multiple_of(2)
     }
 
     /// Whether the places of a touch are one point, and no patches.
@@ -462,35 +448,32 @@ impl Nursery<'_> {
         initial_guesses: &mut usize,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
-        let listed: Vec<&PreparedTouch> = touches.touches().collect();
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);
         let mut best: Option<(BodySchema, Misfit)> = None;
         let mut misfits = Vec::new();
-        for initial_guess in 0..most {
+        for _ in 0..most {
             *initial_guesses += 1;
             let mut trial = schema.clone();
             part.iter()
                 .for_each(|&joint| self.prior.randomize_joint(self.agent.creature(), &mut trial, joint, rng));
+            let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
+                let creature = self.agent.creature();
+                meet(creature, touches, parameters, self.prior, schema, (fits, self.deadline))
+            };
+            trial = meet(&relaxed, trial, POINT_FITS);
+            if self.evidence.exact() {
+                (trial, _) = self.solve(touches, &relaxed, trial, 100);
+            }
+            trial.normalize_axes(self.agent.creature());
             let (trial, misfit) = match self.evidence {
-                // False places would spoil a fit to the places: the surfaces must do.
-                Evidence::Surfaces(_) if self.doubts() => {
-                    let doubt = MissWeights::FarMisses;
-                    let trial = descend(&listed, trial, DOUBTING_DESCENT, &relaxed, doubt, rng);
-                    self.close_both(touches, &unit, trial)
-                }
-                _ => {
-                    if self.evidence.descends(initial_guess + self.turn) {
-                        trial = descend(&listed, trial, DESCENT, &relaxed, MissWeights::Nothing, rng);
-                    }
-                    let rms;
-                    (trial, rms) = self.solve(touches, &relaxed, trial, 100);
-                    trial.normalize_axes(self.agent.creature());
-                    match self.evidence {
-                        Evidence::Surfaces(_) if rms > HOPELESS_RELAXED => {
-                            (trial, Misfit(HOPELESS_MISFIT * rms))
-                        }
-                        _ => self.settle(touches, &unit, trial, 60),
+                Evidence::Points { .. } => self.settle(touches, &unit, trial, 60),
+                Evidence::Surfaces(_) => {
+                    let trial = meet(&unit, trial, POINT_FITS / 2);
+                    let miss = usual_miss(touches, &trial);
+                    match miss > HOPELESS {
+                        true => (trial, Misfit(HOPELESS_MISFIT * miss)),
+                        false => self.close_both(touches, &unit, trial),
                     }
                 }
             };
@@ -527,13 +510,7 @@ impl Nursery<'_> {
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
-                let mut start = start;
                 if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
-                    let rms;
-                    (start, rms) = self.solve(touches, parameters, start, iterations);
-                    if rms > HOPELESS {
-                        return (start, Misfit(HOPELESS_MISFIT * rms));
-                    }
                     return self.close_both(touches, parameters, start);
                 }
                 let (schema, p80_gap) = self.close(touches, parameters, start);
@@ -548,11 +525,6 @@ impl Nursery<'_> {
         let (schema, _) = self.close(touches, &relaxed, start);
         let (schema, p80_gap) = self.close(touches, unit, schema);
         (schema, Misfit(p80_gap / PART_GAP))
-    }
-
-    /// Whether this start takes it that some touches are false: two of every four do.
-    fn doubts(&self) -> bool {
-        self.turn % 4 >= 2
     }
 
     /// One least-squares solve by points; the schema and the root mean square of its whitened residuals.

@@ -105,13 +105,15 @@ pub trait ObservationModel {
 }
 
 /// The two places are one point: the miss `p_CA − p_CB` is noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointsMeet {
     /// Noise of the two ends' covariances, turned with their limbs: right near the answer.
     Shaped,
     /// Noise alike in all directions. From afar the limbs' orientations are wrong and so is any shape they
     /// turn: this finds the answer from several times as many random initial guesses.
     Anyhow,
+    /// The same, distributed as Cauchy has it, so many deviations wide: what is farther apart may be no touch at all.
+    Mostly(f64),
 }
 
 impl PointsMeet {
@@ -125,8 +127,13 @@ impl PointsMeet {
     pub fn whitening(&self, ends: &[Observation; 2], frames: &[Frame; 2]) -> Matrix3<f64> {
         // The mean over all directions of how far apart the two places may be.
         let variance = (ends[0].covariance + ends[1].covariance).trace() / 3.0;
-        if *self == PointsMeet::Anyhow {
-            return Matrix3::identity() / variance.sqrt();
+        match *self {
+            PointsMeet::Shaped => {}
+            PointsMeet::Anyhow => return Matrix3::identity() / variance.sqrt(),
+            PointsMeet::Mostly(width) => {
+                let squared = PointsMeet::miss(ends, frames).norm_squared();
+                return Matrix3::identity() / (variance + squared / width.powi(2)).sqrt();
+            }
         }
         let turned = |k: usize| frames[k].rotation * ends[k].covariance * frames[k].rotation.transpose();
         let covariance = turned(0) + turned(1);

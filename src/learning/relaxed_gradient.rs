@@ -28,7 +28,6 @@
 //! `−w (|a|² − 1) a`, in which w rises from 0 to [`LAST_PULL`].
 //!
 //! What it cannot do: every touch counts alike, and on Max's torso one false touch in fifty undid the others.
-//! [`MissWeights`] mends that at a price.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
@@ -39,7 +38,7 @@ use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
 use crate::learning::touch_set::{LimbTouch, PreparedTouch};
-use crate::learning::{AxisModel, Basis, Learned, Learner, Parameters, Verdict};
+use crate::learning::{Basis, Learned, Learner, Verdict};
 use crate::schema::BodySchema;
 use crate::senses::Input;
 use crate::senses::Touch;
@@ -93,14 +92,11 @@ impl RelaxedGradient {
     }
 }
 
-/// Descends from an initial guess by `steps` steps, every touch used once at the least, moving free parameters
-/// alone; axes are left relaxed. `doubt` weighs the touches.
-pub fn descend(
-    touches: &[&PreparedTouch],
+/// Descends from an initial guess by `steps` steps, every touch used once at the least; axes are left relaxed.
+fn descend(
+    touches: &[PreparedTouch],
     initial_guess: BodySchema,
     steps: usize,
-    parameters: &Parameters,
-    doubt: MissWeights,
     rng: &mut ChaCha8Rng,
 ) -> BodySchema {
     let mut schema = initial_guess;
@@ -108,50 +104,25 @@ pub fn descend(
     let mut sides = [SideJacobian::default(), SideJacobian::default()];
     let passes = (steps / order.len().max(1)).max(1);
     count_work(STEP * passes * order.len());
-    let mut misses = Vec::with_capacity(touches.len());
-    let mut limit = f64::INFINITY;
     for pass in 0..passes {
         let progress = pass as f64 / (passes - 1).max(1) as f64;
         let weights = (LAST_SCALE.powf(progress), LAST_PULL * progress * progress);
         order.shuffle(rng);
-        misses.clear();
-        for &touch in &order {
-            misses.push(step(&mut schema, touches[touch], weights, parameters, limit, &mut sides));
-        }
-        if doubt == MissWeights::FarMisses && !misses.is_empty() {
-            let middle = misses.len() / 2;
-            limit = *misses.select_nth_unstable_by(middle, f64::total_cmp).1;
-        }
+        order.iter().for_each(|&touch| step(&mut schema, &touches[touch], weights, &mut sides));
     }
     schema
 }
 
-/// Which touches a descent takes to be true.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MissWeights {
-    /// All.
-    Nothing,
-    /// A touch that misses as far as the middle one did in the last pass counts half, one that misses further
-    /// ever less (Cauchy weights). False touches are borne from the first pass on; it takes four times the
-    /// steps. With twice the middle miss false touches win, with half of it limbs are left behind.
-    FarMisses,
-}
-
-/// One step down from one touch, with the present scale s of the steps and weight w of the pull; how far the
-/// touch misses, metres. At `limit` it counts half, beyond it ever less.
+/// One step down from one touch, with the present scale s of the steps and weight w of the pull.
 fn step(
     schema: &mut BodySchema,
     touch: &PreparedTouch,
     (scale, pull): (f64, f64),
-    parameters: &Parameters,
-    limit: f64,
     sides: &mut [SideJacobian; 2],
-) -> f64 {
+) {
     let mut resistance = Matrix3::zeros();
     for ((side, end), jacobian) in touch.sides.iter().zip(&touch.ends).zip(&mut *sides) {
         side.point_jacobian(schema, &end.position, jacobian);
-        jacobian.joints.retain(|(joint, _)| parameters.positions[*joint].is_some());
-        jacobian.dofs.retain(|(dof, _)| parameters.axes[*dof].is_some());
         resistance += jacobian.rotation * end.covariance * jacobian.rotation.transpose() / scale;
         for (_, by_position) in &jacobian.joints {
             resistance += by_position * by_position.transpose() * (LENGTH * LENGTH);
@@ -160,13 +131,11 @@ fn step(
             resistance += by_axis * by_axis.transpose();
         }
     }
-    let miss = sides[0].position - sides[1].position;
-    let distance = miss.norm();
-    let Some(factor) = resistance.cholesky() else { return distance };
-    let force = factor.solve(&miss) * (SHARE / (1.0 + (distance / limit).powi(2)));
+    let Some(factor) = resistance.cholesky() else { return };
+    let force = factor.solve(&(sides[0].position - sides[1].position)) * SHARE;
     // Far off, relaxed chains may overflow: such a touch says nothing.
     if !force.iter().all(|x| x.is_finite()) {
-        return distance;
+        return;
     }
     for (jacobian, sign) in sides.iter().zip([-1.0, 1.0]) {
         let force: Vector3<f64> = force * sign;
@@ -180,7 +149,6 @@ fn step(
             *axis *= 1.0 - (pull * (axis.norm_squared() - 1.0)).clamp(-0.5, 0.5);
         }
     }
-    distance
 }
 
 impl Learner for RelaxedGradient {
@@ -195,10 +163,7 @@ impl Learner for RelaxedGradient {
     fn learn(&mut self) -> Learned {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(ORDER_STREAM);
-        let touches: Vec<&PreparedTouch> = self.touches.iter().collect();
-        let all = Parameters::new(self.agent.creature(), AxisModel::Relaxed, |_| true);
-        let mut schema =
-            descend(&touches, self.initial_guess.clone(), self.steps, &all, MissWeights::Nothing, &mut rng);
+        let mut schema = descend(&self.touches, self.initial_guess.clone(), self.steps, &mut rng);
         let mut why = "the gradient has no test of its own: look at the held-out error";
         if !schema.fits(self.agent.creature()) {
             schema = self.initial_guess.clone();

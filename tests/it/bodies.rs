@@ -186,7 +186,7 @@ mod slow {
             ("33266", true),
             ("33697", true),
             ("32689", false),
-            ("36175", false),
+            ("36175", true),
             ("36537", true),
         ] {
             nothing_is_claimed_wrongly(seed, "default", "50", some);

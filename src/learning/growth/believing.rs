@@ -6,7 +6,7 @@ use super::evidence::Equation;
 use super::{GrownTouch, Growth};
 use crate::learning::online::Belief;
 use crate::learning::prediction::add_row;
-use crate::learning::scrutiny::{Member, ToldTouch, share};
+use crate::learning::scrutiny::{Member, ToldTouch};
 use crate::learning::surface_gap::SHARPEST;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -15,6 +15,8 @@ use crate::schema::BodySchema;
 const FEW_OPEN: usize = 50;
 /// This share of all touches that tell of a joint or a limb, if they are more than chance, take it back where they are against it.
 const CONTRADICTED: f64 = 0.08;
+/// Of so many touches one that is refused may be an exact one that is not understood; of more some are false.
+const SOME_FALSE: usize = 100;
 /// Touches are taken in when so many times as many are believed, or fewer.
 const TOO_FEW: usize = 50;
 /// All is fitted again where there are so many times more touches than at the last time.
@@ -57,6 +59,12 @@ impl Growth {
     /// How much is known.
     pub(super) fn known(&self) -> usize {
         self.resolved.iter().filter(|&&resolved| resolved).count() + self.placed_limbs()
+    }
+
+    /// Whether so many touches between what is known do not agree with it that some must be false.
+    pub(super) fn has_false_touches(&self) -> bool {
+        let refused = self.touches.iter().filter(|touch| !touch.used && touch.refused.is_some()).count();
+        SOME_FALSE * refused > self.used().count() + refused
     }
 
     /// The touches that belief rests on.
@@ -226,10 +234,9 @@ impl Growth {
     fn revoke(&mut self) {
         let told = self.touches.iter().filter(|touch| touch.used || touch.refused.is_some());
         let told = told.map(|touch| (&touch.told, touch.refused.is_some()));
-        let Some(wrong) = self.scrutiny().most_suspect(told, |of_it, _| share(of_it) > CONTRADICTED) else {
-            return;
-        };
-        self.take_back_all(&[wrong]);
+        if let Some(wrong) = self.scrutiny().most_suspect(told, |_, of_it| of_it.beyond() > CONTRADICTED) {
+            self.take_back_all(&[wrong]);
+        }
     }
 
     /// Takes back joints and limbs that do not stand.

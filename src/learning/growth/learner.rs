@@ -110,27 +110,7 @@ impl Grower {
         let mut learned = learner.learn();
         // A body that is told to have changed while it babbled did not: nothing was known of it.
         learned.changes.clear();
-        match self.input {
-            Input::Receptor if learned.verdict.converged() => self.conclude_claims(learned),
-            _ => learned,
-        }
-    }
-
-    /// What was learned at once, as far as it stands up to the same as what grew: by the touches between limbs that it claims
-    /// to place.
-    fn conclude_claims(&self, learned: Learned) -> Learned {
-        let claimed = |number: &usize| {
-            let [a, b] = self.growth.touches()[*number].told.limbs;
-            learned.account.as_ref().is_some_and(|account| account.claims(a, b))
-        };
-        let told: Vec<usize> = (0..self.touches.len()).filter(claimed).collect();
-        if told.len() < FEWEST_AT_LARGE {
-            let reason = "what was found explains touches, but too few of them are between limbs that it places; try more \
-                          touches (--touches) or another seed (--seed)";
-            return Learned { verdict: Verdict::Failed(reason.to_string()), account: None, ..learned };
-        }
-        let (concluded, _) = self.conclude_by(&learned.schema, told);
-        Learned { initial_guesses: learned.initial_guesses, ..concluded }
+        learned
     }
 
     /// The last fit, to all touches that what is known should explain, and what they determine.
@@ -138,7 +118,7 @@ impl Grower {
     /// What leaves gaps open after it is not located: a wrong axis of a joint that turns little closes its touches nearly. Returned
     /// with it are the joints and limbs that do not stand.
     fn conclude(&self, schema: &BodySchema) -> (Learned, Vec<Member>) {
-        let told = (0..self.touches.len())
+        let told: Vec<usize> = (0..self.touches.len())
             .filter(|&number| {
                 // Those that contradict what is known as well: the account is to hear of them.
                 let grown = &self.growth.touches()[number];
@@ -149,11 +129,6 @@ impl Grower {
                 told && !grown.told.moving.is_empty()
             })
             .collect();
-        self.conclude_by(schema, told)
-    }
-
-    /// The same by some touches, of their numbers.
-    fn conclude_by(&self, schema: &BodySchema, told: Vec<usize>) -> (Learned, Vec<Member>) {
         let fit = |schema: &BodySchema, told: &[usize]| {
             let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
@@ -163,6 +138,19 @@ impl Grower {
         let learned = fit(schema, &told);
         let (learned, fallen) = self.growth.scrutiny().standing(&touches, told, learned, fit);
         (Learned { initial_guesses: self.growth.starts(), ..learned }, fallen)
+    }
+
+    /// What grows of some touches before a deadline, as far as it stands; `None` if no part is found.
+    pub fn grow(agent: &Agent, touches: &[Touch], deadline: Deadline, seed: u64) -> Option<Learned> {
+        let mut grower = Grower::new(agent, seed);
+        grower.end_at(deadline);
+        touches.iter().for_each(|touch| grower.touch(touch));
+        grower.grown()
+    }
+
+    fn grown(&mut self) -> Option<Learned> {
+        self.growth.grow_all();
+        self.concluded()
     }
 
     /// What has grown, as far as it stands. What does not stand was learned from its first touches alone: it is looked for anew,
@@ -199,8 +187,7 @@ impl Learner for Grower {
     }
 
     fn learn(&mut self) -> Learned {
-        self.growth.grow_all();
-        match self.concluded() {
+        match self.grown() {
             Some(grown) if grown.verdict.converged() && self.suffices(&grown) => grown,
             grown => {
                 let at_once = self.learn_at_once();

@@ -405,7 +405,8 @@ impl Growth {
 
     /// What is believed, held against touches.
     fn scrutiny(&self) -> Scrutiny<'_> {
-        Scrutiny::new(&self.agent, self.input, &self.known)
+        let scrutiny = Scrutiny::new(&self.agent, self.input, &self.known);
+        if self.has_false_touches() { scrutiny.with_false_touches() } else { scrutiny }
     }
 
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {

@@ -9,15 +9,15 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::deadline::in_parallel;
-use crate::learning::annealing::quantile;
+use crate::learning::annealing::{HOPELESS, POINT_FITS, meet, usual_miss};
 use crate::learning::initial_guess::randomize_joint;
-use crate::learning::least_squares::{Linearization, Stopping, levenberg_marquardt};
-use crate::learning::observation::PointsMeet;
+use crate::learning::least_squares::Linearization;
 use crate::learning::online::Anchor;
+use crate::learning::open_gaps::MOST_FALSE;
 use crate::learning::prediction::invert;
 use crate::learning::prior::PriorTerm;
-use crate::learning::scrutiny::{CLOSED, Member, SHARP};
-use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::scrutiny::{CLOSED, Member, SHARP, Testimony};
+use crate::learning::touch_set::TouchSet;
 use crate::learning::{AxisModel, Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::senses::Input;
@@ -26,24 +26,18 @@ use crate::senses::Input;
 const NEARLY: f64 = 5e-5;
 /// What stays open of an answer is worth looking at where this share of its touches is closed.
 const HOPEFUL: f64 = 0.5;
-/// The share of a part's touches that an answer closes.
-pub(super) const ENOUGH: f64 = 0.95;
-/// … and from which on none better is looked for.
+/// The share of a part's touches that an answer closes: all others are false.
+pub(super) const ENOUGH: f64 = 1.0 - MOST_FALSE;
+/// An answer closes as much as another one where it closes this share of that.
+const AS_WELL: f64 = 0.95;
+/// The share from which on none better is looked for.
 const AS_GOOD_AS_ALL: f64 = 0.97;
 /// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
 const AT_ONCE: usize = 4;
 /// An answer of a first part that closes less may be what chance finds again and again.
 const OFTEN_DRAWN: f64 = 0.7;
-/// Steps towards the receptors' places with relaxed axes, and twice as many as on the sphere.
-const POINT_ITERATIONS: usize = 60;
-/// This share of touches …
-const MOST_MISSES: f64 = 0.7;
-/// … leaves receptors fewer deviations apart where an answer is near: right ones leave 1.5, most wrong ones 6.
-const HOPELESS: f64 = 2.5;
 /// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
 const MOST_NEAR: usize = 16;
-/// The same where all surfaces are round: their gaps cost next to nothing.
-const MOST_NEAR_OF_ROUND: usize = 64;
 /// Deviations of the gap, metres, down to which axes stay relaxed: joints that turn little are caught in one wrong minimum
 /// or another, and which depends on this.
 const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
@@ -54,15 +48,16 @@ const SMALL: usize = 45;
 const INNER_TOUCHES: f64 = 1.6;
 /// Touches of a limb below which the first part does without it: it only adds unknowns, and is found later.
 const OFTEN: usize = 8;
+/// Touches of two limbs below which a part is solved without them: they may all be false.
+const OFTEN_BETWEEN: usize = 4;
 /// Touches that a part is solved by at the most, in units of its unknowns.
 const MOST_TOUCHES: usize = 8;
 /// Positions and axes known to this, metres and radians, are held while a part is solved: it makes no difference.
 const KNOWN_POSITION: f64 = 3e-5;
 const KNOWN_AXIS: f64 = 3e-4;
-/// Share of a limb's or joint's touches that stay open and give it up, where there are …
+/// Share of a limb's or joint's touches, beyond that of all others, that stay open and give it up. As many at the most are given
+/// up, …
 const OPEN_SHARE: f64 = 0.25;
-/// … so many of them at the least. As many at the most are given up, …
-const OPEN_TOUCHES: f64 = 2.0;
 const GIVEN_UP: usize = 6;
 /// … and an answer explains this share of a part's touches without them, …
 const MOST_OF_ALL: f64 = 0.6;
@@ -85,7 +80,7 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// What makes one answer better than another: what explains nearly all of its touches, by how many.
+    /// What makes one answer better than another: what explains most of its touches, by how many.
     fn worth(&self) -> f64 {
         self.share + if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
     }
@@ -150,9 +145,6 @@ impl Growth {
         self.solves += 1;
         let numbers: Vec<usize> = (0..starts).collect();
         let mut solved: Vec<Solved> = Vec::new();
-        let is_round =
-            |touch: &PreparedTouch| self.agent.skin().all_round(touch.ends.iter().map(|end| end.receptor));
-        let most_near = if problem.touches.touches().all(is_round) { MOST_NEAR_OF_ROUND } else { MOST_NEAR };
         for wave in numbers.chunks(AT_ONCE) {
             let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number));
             self.starts += made.len();
@@ -167,7 +159,7 @@ impl Growth {
             let again = drawn && solved.iter().filter(as_good).count() >= AGREEING;
             // Where an answer is among those whose points nearly meet, it is one in three.
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
-            let in_vain = self.belief.is_none() && near >= most_near && most <= ENOUGH;
+            let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= ENOUGH;
             let late = self.deadline.has_passed();
             if late || again || in_vain || good >= if small { AGREEING } else { 1 } {
                 break;
@@ -175,7 +167,9 @@ impl Growth {
         }
         let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
         let mut best = solved.swap_remove(at);
-        let good = solved.into_iter().filter(|other| other.exact > ENOUGH && other.given_up == best.given_up);
+        let as_well = AS_WELL * best.exact;
+        let good =
+            solved.into_iter().filter(|other| other.exact > as_well && other.given_up == best.given_up);
         best.others = good.map(|other| other.schema).collect();
         if let Some(known) = &problem.known {
             best.schema = self.carried(known, &best.schema);
@@ -210,6 +204,10 @@ impl Growth {
                 solved_by.retain(|number| of(number).told.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
             }
         }
+        let mut between: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        let limbs = |number: usize| self.touches[number].told.limbs;
+        solved_by.iter().for_each(|&number| *between.entry(limbs(number)).or_default() += 1);
+        solved_by.retain(|&number| between[&limbs(number)] >= OFTEN_BETWEEN);
         if solved_by.is_empty() {
             return None;
         }
@@ -293,21 +291,18 @@ impl Growth {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream((self.solves << 16) + number as u64);
         let first = self.belief.is_none();
-        let beliefs = problem.beliefs();
         let mut schema = match first {
             true => self.first_guess(problem, &mut rng),
             false => self.guess(problem, number, &mut rng),
         };
-        let points = |parameters: &Parameters, start: BodySchema, iterations: usize| {
-            let mut problem =
-                TouchProblem::new(creature, touches, parameters, PointsMeet::Anyhow).with_prior(&beliefs);
-            let stopping = Stopping { iterations, relative_cost: 1e-4, cost: 0.0, deadline: self.deadline };
-            levenberg_marquardt(&mut problem, start, stopping).state
+        let beliefs = problem.beliefs();
+        let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
+            meet(creature, touches, parameters, &beliefs, schema, (fits, self.deadline))
         };
-        schema = points(relaxed, schema, POINT_ITERATIONS);
+        schema = meet(relaxed, schema, POINT_FITS);
         schema.normalize_axes(creature);
-        schema = points(unit, schema, POINT_ITERATIONS / 2);
-        let hopeless = self.input == Input::Receptor && misses(touches, &schema) > HOPELESS;
+        schema = meet(unit, schema, POINT_FITS / 2);
+        let hopeless = self.input == Input::Receptor && usual_miss(touches, &schema) > HOPELESS;
         if hopeless || self.deadline.has_passed() {
             return Solved {
                 schema,
@@ -412,30 +407,18 @@ impl Growth {
     }
 
     /// How many of some touches leave gaps (metres) open, and the limb or joint among those that may be given up of whose touches
-    /// most stay open.
+    /// most stay open, if these are more than chance.
     fn open_member(
         &self,
         numbers: &[usize],
         gaps: &[f64],
         may: impl Fn(Member) -> bool,
     ) -> (usize, Option<Member>) {
-        let mut counts: BTreeMap<Member, [f64; 2]> = BTreeMap::new();
-        let mut all_open = 0;
-        for (touch, gap) in numbers.iter().map(|&number| &self.touches[number]).zip(gaps) {
-            let is_open = *gap >= CLOSED;
-            all_open += usize::from(is_open);
-            let limbs = touch.told.limbs.iter().copied().map(Member::Limb);
-            for member in limbs.chain(touch.told.moving.iter().copied().map(Member::Joint)) {
-                let [open, all] = counts.entry(member).or_default();
-                (*open, *all) = (*open + f64::from(u8::from(is_open)), *all + 1.0);
-            }
-        }
-        let share = |[open, all]: [f64; 2]| open / all;
-        let bad = counts.into_iter().filter(|&(member, counts)| {
-            counts[0] >= OPEN_TOUCHES && share(counts) > OPEN_SHARE && may(member)
-        });
-        let worst = bad.max_by(|a, b| share(a.1).total_cmp(&share(b.1)));
-        (all_open, worst.map(|(member, _)| member))
+        let touches = numbers.iter().map(|&number| &self.touches[number].told);
+        let told = touches.zip(gaps.iter().map(|gap| *gap >= CLOSED));
+        let open = gaps.iter().filter(|gap| **gap >= CLOSED).count();
+        let wrong = |member, of_it: &Testimony| may(member) && of_it.beyond() > OPEN_SHARE;
+        (open, self.scrutiny().most_suspect(told, wrong))
     }
 
     /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean.
@@ -450,13 +433,4 @@ impl Growth {
         places.iter().for_each(|&(_, to)| step[to] = 0.0);
         belief.parameters.step(schema, &step)
     }
-}
-
-/// How many deviations receptors that touched stay apart in most touches.
-fn misses(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let miss =
-        |touch: &PreparedTouch| PointsMeet::Anyhow.squared_misfit(&touch.ends, &touch.frames(schema)).sqrt();
-    let mut misses: Vec<f64> = touches.touches().map(miss).collect();
-    misses.sort_by(f64::total_cmp);
-    quantile(&misses, MOST_MISSES)
 }

@@ -2,6 +2,7 @@
 
 use super::{LearnerGivens, LearnerKind, LearnerUses, doubling};
 use crate::agent::Agent;
+use crate::learning::growth::{Grower, Growth};
 use crate::learning::{Input, Learner, Online, PriorKnowledge, SecondOrder, SkinKnowledge};
 
 /// Most touches whose contact points are learned from in an instant.
@@ -27,7 +28,14 @@ impl LearnerKind for LevenbergMarquardt {
     fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
         let known = PriorKnowledge::nothing(agent).with(&given.known);
         if self.predicts(given) {
-            return Box::new(Online::new(agent, seed).with_known(known));
+            let mut learner = Online::new(agent, seed).with_known(known);
+            // False touches in many pairs of limbs leave few pairs without: these are found one after the other.
+            if Growth::suits(agent.creature()) {
+                let agent = agent.clone();
+                let grow = move |touches: &[_], deadline| Grower::grow(&agent, touches, deadline, seed);
+                learner = learner.with_search(Box::new(grow));
+            }
+            return Box::new(learner);
         }
         let learner = SecondOrder::new(agent, given.input, seed);
         Box::new(learner.with_frames(given.frames).with_skin(given.skin).with_known(known))

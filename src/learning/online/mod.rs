@@ -101,6 +101,9 @@ pub enum What {
     Beyond,
 }
 
+/// Another way to learn from touches until a deadline; `None` if it does not suit the body.
+pub type Search = Box<dyn Fn(&[Touch], Deadline) -> Option<Learned>>;
+
 /// The learner `lm` on receptors and surfaces.
 pub struct Online {
     agent: Agent,
@@ -113,6 +116,8 @@ pub struct Online {
     seen: usize,
     /// Touches at which learning is tried next.
     next_trial: usize,
+    /// What is tried with touches that were not explained so far, before all joints at once are.
+    search: Option<Search>,
     locked: Option<Locked>,
     /// Initial guesses used by trials so far.
     initial_guesses: usize,
@@ -166,6 +171,7 @@ impl Online {
             deadline: Deadline::Never,
             seen: 0,
             next_trial: if agent.creature().dof() > WHOLE_DOF { usize::MAX } else { FIRST_TRIAL },
+            search: None,
             locked: None,
             initial_guesses: 0,
             expectation: None,
@@ -204,6 +210,11 @@ impl Online {
     /// Per touch since it first had a schema, whether that had not foretold it.
     pub fn surprises(&self) -> &[bool] {
         &self.surprises
+    }
+
+    /// Sets what is tried with touches that no trial has explained, where nothing was known before.
+    pub fn with_search(self, search: Search) -> Online {
+        Online { search: Some(search), ..self }
     }
 
     /// Sets what is known of the joints already.
@@ -480,6 +491,12 @@ impl Online {
 }
 
 impl Online {
+    /// What another search finds where no trial found anything.
+    fn searched(&self) -> Option<Learned> {
+        let search = self.search.as_ref().filter(|_| self.locked.is_none() && !self.known.is_given())?;
+        search(self.batch.touches(), self.deadline).filter(|found| found.verdict.converged())
+    }
+
     /// What was learned of all touches at once, as far as it stands before those between limbs that it places. Where there is
     /// noise, a wrong answer shows by how likely it makes that before it is taken.
     fn standing(&self, learned: Learned) -> Learned {
@@ -548,7 +565,7 @@ impl Learner for Online {
                 return if is_one_body { self.standing(learned) } else { learned };
             }
         }
-        let mut learned = self.batch.learn();
+        let mut learned = self.searched().unwrap_or_else(|| self.batch.learn());
         learned.initial_guesses += self.initial_guesses;
         learned.changes = self.changes.clone();
         self.initial_guesses = learned.initial_guesses;

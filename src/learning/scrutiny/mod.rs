@@ -9,6 +9,8 @@ mod mirrored;
 mod open;
 mod patterned;
 
+use std::collections::BTreeMap;
+
 use crate::agent::Agent;
 use crate::creature::{Creature, Posture};
 use crate::kinematics::Chain;
@@ -27,6 +29,12 @@ pub const SHARP: f64 = 1e-8;
 const MOST_IMAGES: usize = 20;
 /// So many touches against a joint or a limb are more than chance.
 const CONTRADICTIONS: f64 = 3.0;
+/// How many times more false touches there may be than others let expect, which is only roughly so, …
+const ROUGHLY: f64 = 1.25;
+/// … and how many standard deviations luck adds.
+const LUCK: f64 = 2.0;
+/// Where touches may be false, so many are expected before the first, of so many: where there are few others these tell little.
+const BEFOREHAND: [f64; 2] = [2.0, 5.0];
 
 /// A touch between two limbs, and what it tells of.
 #[derive(Clone, Debug)]
@@ -74,6 +82,24 @@ impl ToldTouch {
             Member::Joint(joint) => self.moving.contains(&joint),
             Member::Limb(limb) => self.limbs.contains(&limb),
         }
+    }
+}
+
+/// What touches say of a joint or a limb.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Testimony {
+    /// How many agree with it, …
+    pub right: f64,
+    /// … how many are against it, …
+    pub against: f64,
+    /// … and how many false touches there may be among them, as those against all others let expect.
+    pub by_chance: f64,
+}
+
+impl Testimony {
+    /// The share of touches that are against it, but for those that may be false.
+    pub fn beyond(&self) -> f64 {
+        (self.against - self.by_chance).max(0.0) / (self.right + self.against).max(1.0)
     }
 }
 
@@ -199,30 +225,54 @@ impl<'a> Scrutiny<'a> {
         })
     }
 
-    /// Of the joints and limbs that several touches are against that one which the greatest share of its touches is; each
-    /// touch comes with whether it is against what it tells of. `wrong` judges by the touches for and against it, and by all
-    /// others.
+    /// Of the joints and limbs that several touches are against that one which the greatest share of its touches is, beyond chance;
+    /// each touch comes with whether it is against what it tells of. `wrong` judges by the touches for and against it.
     pub fn most_suspect<'t>(
         &self,
         told: impl Iterator<Item = (&'t ToldTouch, bool)>,
-        wrong: impl Fn([f64; 2], [f64; 2]) -> bool,
+        wrong: impl Fn(Member, &Testimony) -> bool,
     ) -> Option<Member> {
+        let told: Vec<(&ToldTouch, bool)> = told.collect();
         let creature = self.agent.creature();
         let joints = (0..creature.joints().len()).map(Member::Joint);
-        let members: Vec<Member> = joints.chain((0..creature.limbs().len()).map(Member::Limb)).collect();
-        let (mut all, mut counts) = ([0.0; 2], vec![[0.0; 2]; members.len()]);
-        for (touch, against) in told {
-            let against = usize::from(against);
-            all[against] += 1.0;
-            let of_it = members.iter().zip(&mut counts).filter(|(member, _)| touch.tells_of(**member));
-            of_it.for_each(|(_, counts)| counts[against] += 1.0);
-        }
-        let suspect = |at: &usize| {
-            let [right, against] = counts[*at];
-            against >= CONTRADICTIONS && wrong(counts[*at], [all[0] - right, all[1] - against])
+        let members = joints.chain((0..creature.limbs().len()).map(Member::Limb));
+        let chances = self.chances(&told);
+        let tally = |tells: &dyn Fn(&ToldTouch) -> bool| {
+            let mut tally = Testimony::default();
+            for (&(_, against), chance) in told.iter().zip(&chances).filter(|((touch, _), _)| tells(touch)) {
+                *(if against { &mut tally.against } else { &mut tally.right }) += 1.0;
+                tally.by_chance += chance;
+            }
+            tally
         };
-        let suspects = (0..members.len()).filter(suspect);
-        suspects.max_by(|&a, &b| share(counts[a]).total_cmp(&share(counts[b]))).map(|at| members[at])
+        let all = tally(&|_| true);
+        let [false_before, before] = if self.has_false_touches { BEFOREHAND } else { [0.0, 1.0] };
+        let testimony = members.map(|member| {
+            let of_it = tally(&|touch| touch.tells_of(member));
+            let elsewhere = all.by_chance - of_it.by_chance + before;
+            let expected = (all.against - of_it.against + false_before) * of_it.by_chance / elsewhere;
+            (member, Testimony { by_chance: ROUGHLY * expected + LUCK * expected.sqrt(), ..of_it })
+        });
+        let suspects =
+            testimony.filter(|(member, of_it)| of_it.against >= CONTRADICTIONS && wrong(*member, of_it));
+        suspects.max_by(|a, b| a.1.beyond().total_cmp(&b.1.beyond())).map(|(member, _)| member)
+    }
+
+    /// Per touch its share of what false touches are expected in, 1 on average: one end of these is any receptor, so that of limbs
+    /// that seldom touch most touches may be false.
+    fn chances(&self, told: &[(&ToldTouch, bool)]) -> Vec<f64> {
+        let mut receptors = vec![0.0; self.agent.creature().limbs().len()];
+        self.agent.skin().receptors.iter().for_each(|receptor| receptors[receptor.limb] += 1.0);
+        let mut felt = vec![0.0; receptors.len()];
+        let mut between: BTreeMap<[usize; 2], f64> = BTreeMap::new();
+        for (touch, _) in told {
+            touch.limbs.into_iter().for_each(|limb| felt[limb] += 1.0);
+            *between.entry(touch.limbs).or_default() += 1.0;
+        }
+        let of_pair = |[a, b]: [usize; 2]| receptors[a] * felt[b] + felt[a] * receptors[b];
+        let all: f64 = between.keys().map(|&limbs| of_pair(limbs)).sum();
+        let one = told.len() as f64 / all.max(1.0);
+        told.iter().map(|(touch, _)| one * of_pair(touch.limbs) / between[&touch.limbs]).collect()
     }
 
     /// Touches by their pairs of limbs.
@@ -233,9 +283,4 @@ impl<'a> Scrutiny<'a> {
         }
         set
     }
-}
-
-/// The share of touches that are against something.
-pub fn share([right, against]: [f64; 2]) -> f64 {
-    against / f64::max(right + against, 1.0)
 }

@@ -1,6 +1,6 @@
 //! Gaps that right answers do not leave, and joints that no touch feels.
 
-use super::{CLOSED, Member, Scrutiny, ToldTouch, share};
+use super::{CLOSED, Member, Scrutiny, ToldTouch};
 use crate::creature::DofKind;
 use crate::learning::annealing::{NARROWEST, quantile};
 use crate::learning::open_gaps::{EXACTLY_OPEN, FELT};
@@ -10,12 +10,8 @@ use crate::schema::BodySchema;
 
 /// After a fit a gap is open that is wider than [`EXACTLY_OPEN`] and than so many standard deviations.
 const DEVIATIONS: f64 = 5.0;
-/// A joint or a limb is wrong that leaves this share of its touches open, …
+/// A joint or a limb is wrong that leaves this share of its touches open, beyond chance.
 const OPEN_SHARE: f64 = 0.05;
-/// … where touches may be false this one, for chance makes up much of few, …
-const OPEN_SHARE_OF_FALSE: f64 = 0.3;
-/// … beyond so many times the share of all others.
-const MORE_OPEN: f64 = 2.0;
 /// A gap that is open among touches without noise: wider than this, metres, and so many times as wide as half of all. Of
 /// right answers 95 in 100 gaps are narrower than three nanometres, but for edges; …
 pub(super) const SHARPLY_OPEN: f64 = 2e-8;
@@ -47,11 +43,9 @@ impl Scrutiny<'_> {
         };
         let mut misses: Vec<(&ToldTouch, f64)> = told.iter().map(|&touch| (touch, miss(touch))).collect();
         let wide = wide(deviation);
-        let open_share = if self.has_false_touches { OPEN_SHARE_OF_FALSE } else { OPEN_SHARE };
-        let open = self
-            .most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), |of_it, others| {
-                share(of_it) > open_share + MORE_OPEN * share(others)
-            });
+        let open = self.most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), |_, of_it| {
+            of_it.beyond() > OPEN_SHARE
+        });
         if open.is_some() || !exact {
             return open;
         }
@@ -66,8 +60,8 @@ impl Scrutiny<'_> {
         let mut sorted: Vec<f64> = misses.iter().map(|(_, miss)| *miss).collect();
         sorted.sort_by(f64::total_cmp);
         let wide = SHARPLY_OPEN.max(MANY_TIMES * quantile(&sorted, 0.5));
-        self.most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), |of_it, others| {
-            share(of_it) > SHARPLY_OPEN_SHARE + share(others)
+        self.most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), |_, of_it| {
+            of_it.beyond() > SHARPLY_OPEN_SHARE
         })
     }
 

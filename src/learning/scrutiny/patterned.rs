@@ -42,7 +42,7 @@ impl Scrutiny<'_> {
             .map(|(limbs, touches)| (limbs, self.likeness(&touches, schema) > PATTERN))
             .collect();
         let told = told.iter().map(|&touch| (touch, against[&touch.limbs]));
-        self.most_suspect(told, |[right, against], _| against > MOSTLY * (right + against))
+        self.most_suspect(told, |_, of_it| of_it.against > MOSTLY * (of_it.right + of_it.against))
     }
 
     /// How alike the gaps of two limbs are in neighbouring postures, as [`likeness`](crate::learning::noise::likeness) has it of

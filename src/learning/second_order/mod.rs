@@ -166,12 +166,7 @@ impl SecondOrder {
     pub fn learn_in(&self, starts: usize) -> Learned {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
         let fresh = self.prepare(fresh);
-        let fitted = self.fitted();
-        let touches = self.prepare(fitted.iter().copied());
-        let borne_out = match self.evidence() {
-            Evidence::Surfaces(_) => self.prepare(self.borne_out(&fitted).into_iter()),
-            Evidence::Points { .. } => TouchSet::default(),
-        };
+        let touches = self.prepare(self.fitted());
         let solvable = match self.frames {
             LimbFrames::Joint => {
                 let starved = self.nursery(self.evidence(), &touches, 0).starved();
@@ -180,7 +175,7 @@ impl SecondOrder {
             LimbFrames::Limb => self.limb_nursery(&touches, 0).solvable(),
         };
         let search = self.planned(&touches, starts);
-        let (found, initial_guesses) = self.search(&search, solvable, [&touches, &borne_out], &fresh);
+        let (found, initial_guesses) = self.search(&search, solvable, &touches, &fresh);
         self.conclude(found, initial_guesses)
     }
 

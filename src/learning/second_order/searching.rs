@@ -12,10 +12,9 @@ use crate::learning::growing::{Evidence, Nursery, Start, WHOLE_DOF};
 use crate::learning::growing_limbs::LimbNursery;
 use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::TouchSet;
-use crate::learning::{AxisModel, LimbFrames, Parameters, PriorKnowledge};
+use crate::learning::{LimbFrames, PriorKnowledge};
 use crate::senses::Input;
 use crate::senses::Touch;
-use crate::skin::Receptor;
 
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
@@ -45,13 +44,6 @@ const NOISE_MARGIN: f64 = 3.0;
 const NOISE_STREAM: u64 = u64::MAX - 4;
 /// Starts tried with points that have noise.
 const NOISY_STARTS: usize = 8;
-/// How far apart receptors of a limb are whose touches bear one another out, metres: two patches …
-const SAME_PLACE: f64 = 0.05;
-/// … and how many others it takes: of 2,000 touches of Max half of the honest ones have them, and one in 16 of false ones.
-const WITNESSES: usize = 4;
-/// Touches that are left for every unknown number, where others need not be looked at.
-const ENOUGH: usize = 3;
-
 /// How to look for an answer.
 pub(super) struct StartSearch<'a> {
     /// What the touches say, and how well an answer has to explain it.
@@ -89,35 +81,16 @@ impl Judged {
 
 impl SecondOrder {
     /// The touches that starts are fitted to: not those kept back, and not all of the most frequent pairs.
-    pub(super) fn fitted(&self) -> Vec<&Touch> {
+    pub(super) fn fitted(&self) -> impl Iterator<Item = &Touch> {
         let mut per_pair = BTreeMap::new();
-        let few_of_a_pair = |touch: &&Touch| {
+        let few_of_a_pair = move |touch: &&Touch| {
             let limbs = touch.ends.map(|end| self.agent.skin().receptors[end.receptor].limb);
             let count = per_pair.entry(limbs).or_insert(0);
             *count += 1;
             *count <= TOUCHES_PER_PAIR
         };
         let fitted = self.touches.iter().enumerate().filter(|(i, _)| !kept_back(*i));
-        fitted.map(|(_, touch)| touch).filter(few_of_a_pair).collect()
-    }
-
-    /// Those of some touches that others bear out, by what they felt alone: false ones are scattered over the skin, honest
-    /// ones come again where limbs can meet. All, where so few come again that this tells nothing.
-    pub(super) fn borne_out<'t>(&self, touches: &[&'t Touch]) -> Vec<&'t Touch> {
-        let felt = |touch: &Touch| touch.ends.map(|end| &self.agent.skin().receptors[end.receptor]);
-        let near = |a: &Receptor, b: &Receptor| {
-            a.limb == b.limb && (a.position - b.position).norm_squared() < SAME_PLACE * SAME_PLACE
-        };
-        let felt: Vec<[&Receptor; 2]> = touches.iter().map(|touch| felt(touch)).collect();
-        let borne_out = |[a, b]: &[&Receptor; 2]| {
-            let alike = felt.iter().filter(|[c, d]| near(a, c) && near(b, d));
-            // It is like itself.
-            alike.take(WITNESSES + 1).count() > WITNESSES
-        };
-        let kept: Vec<&Touch> =
-            touches.iter().zip(&felt).filter(|(_, ends)| borne_out(ends)).map(|(touch, _)| *touch).collect();
-        let unknowns = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| true).len();
-        if kept.len() < ENOUGH * unknowns { touches.to_vec() } else { kept }
+        fitted.map(|(_, touch)| touch).filter(few_of_a_pair)
     }
 
     pub(super) fn nursery<'t>(
@@ -159,7 +132,7 @@ impl SecondOrder {
         &self,
         search: &StartSearch,
         solvable: usize,
-        [touches, borne_out]: [&TouchSet; 2],
+        touches: &TouchSet,
         fresh: &TouchSet,
     ) -> (Judged, usize) {
         let dof = self.agent.creature().dof();
@@ -171,9 +144,7 @@ impl SecondOrder {
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let doubts = matches!(search.evidence, Evidence::Surfaces(_)) && number % 4 >= 2;
-            let used = if doubts { borne_out } else { touches };
-            let nursery = self.nursery(search.evidence, used, number);
+            let nursery = self.nursery(search.evidence, touches, number);
             let mut start = match self.frames {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
