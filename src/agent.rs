@@ -1,4 +1,4 @@
-//! An agent: what a creature is given of itself before it has felt anything.
+//! An agent: a creature's prior knowledge of its own body, before the first touch.
 
 use std::collections::HashSet;
 use std::sync::Arc;

@@ -45,9 +45,9 @@ pub enum Limit {
 impl std::fmt::Display for Limit {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
-            Limit::Work => "when its budget of work was spent, with more to be done (--work, --touches)",
-            Limit::Seconds => "when its time was over, with more to be done (--seconds, --touches)",
-            Limit::Interrupt => "when it was interrupted, with more to be done",
+            Limit::Work => "when its work budget was spent, before it was complete (--work, --touches)",
+            Limit::Seconds => "when its time was up, before it was complete (--seconds, --touches)",
+            Limit::Interrupt => "when it was interrupted, before it was complete",
         })
     }
 }
@@ -76,7 +76,7 @@ impl Tally {
 }
 
 impl Deadline {
-    /// The moment after a time from `began` on; none where that is farther off than time can be told.
+    /// The moment after a time from `began` on; `None` if that is farther off than time can be told.
     pub fn after(began: Instant, time: Duration) -> Deadline {
         began.checked_add(time).map_or(Deadline::Never, Deadline::Clock)
     }
@@ -96,7 +96,7 @@ impl Deadline {
         }
     }
 
-    /// The time until then; none where the clock does not tell.
+    /// The time until then; `None` if the clock does not tell.
     pub fn left(&self) -> Option<Duration> {
         match self {
             Deadline::Clock(moment) => Some(moment.saturating_duration_since(Instant::now())),

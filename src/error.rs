@@ -120,7 +120,7 @@ impl Error {
 
     /// The error for learning without a touch.
     pub(crate) fn no_touch() -> Error {
-        Error::new(Kind::NotLearned, "there is no touch to learn from: babble some first")
+        Error::new(Kind::NotLearned, "no touches to learn from: babble first")
     }
 
     /// An error about the creature of a model; [`Error::of_model`] adds the file.
@@ -142,7 +142,8 @@ impl Error {
     pub(crate) fn json(path: &Path, content: &str, error: &serde_json::Error) -> Error {
         let line = Some(error.line()).filter(|&line| line > 0);
         let reason = json_reason(error);
-        let message = format!("it is no {content} ({reason}): mend it, or give one that bodyschema wrote");
+        let message =
+            format!("it is not a valid {content} ({reason}): correct it, or give one that bodyschema wrote");
         Error::content(path, line, message)
     }
 
@@ -164,7 +165,7 @@ impl Error {
             use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
             let fix = match source.kind() {
                 PermissionDenied | ReadOnlyFilesystem => "give a folder you may write to with --out",
-                StorageFull | QuotaExceeded => "make room there, or give a folder on another disk with --out",
+                StorageFull | QuotaExceeded => "free some space, or give a folder on another disk with --out",
                 _ => "give another folder with --out",
             };
             refused("write", path, fix, source)

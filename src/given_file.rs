@@ -13,7 +13,7 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let kind = file.metadata()?.file_type();
     if kind.is_block_device() || kind.is_char_device() && !file.is_terminal() {
-        return Err(io::Error::other("it is a device and no regular file"));
+        return Err(io::Error::other("it is a device, not a regular file"));
     }
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes)?;
@@ -25,7 +25,7 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As [`read`], and if it is not in UTF-8.
 pub(crate) fn read_text(path: &Path) -> io::Result<String> {
-    String::from_utf8(read(path)?).map_err(|_| io::Error::other("it is no text in UTF-8"))
+    String::from_utf8(read(path)?).map_err(|_| io::Error::other("it is not UTF-8 text"))
 }
 
 /// Opens a regular file for reading.
@@ -37,6 +37,6 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     match about.is_file() {
         true => File::open(path),
         false if about.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-        false => Err(io::Error::other("it is no regular file, which can be read again")),
+        false => Err(io::Error::other("it is not a regular file, which is needed to read it again")),
     }
 }

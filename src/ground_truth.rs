@@ -1,4 +1,4 @@
-//! Where the joints really are, in the learner's own convention. Only who simulates and who measures may see it.
+//! The true joint positions, in the learner's convention. Only simulation and evaluation may use them.
 
 use crate::creature::{Appearance, Body, DofKind};
 use crate::error::Result;

@@ -4,7 +4,7 @@ use crate::error::Error;
 
 /// The error for a name of which there is none among the choices.
 pub(crate) fn unknown_name(what: &str, name: &str, choices: &[&str]) -> Error {
-    Error::usage(format!("there is no {what} {name}: choose one of {}", choices.join(", ")))
+    Error::usage(format!("unknown {what} {name}: choose one of {}", choices.join(", ")))
 }
 
 /// The name that is meant by one that is none of them, where it is likely a slip of the pen: two letters, whatever their

@@ -1,4 +1,4 @@
-//! What numbers of bodies can be at all: greater ones in a file are a slip or another unit, whatever reads them.
+//! Plausible ranges of a body's numbers: larger ones in a file are a typo or in another unit.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -28,7 +28,7 @@ pub(crate) fn is_angle(x: f64) -> bool {
 }
 
 /// Least and greatest coordinate between limits, of which those beyond all that can be, or infinite, are none: where only one
-/// is, the range is `span` to either side of its middle. None where neither is a limit.
+/// is, the range is `span` to either side of its middle. `None` if neither is a limit.
 pub(crate) fn bounded([least, greatest]: [f64; 2], span: f64) -> Option<[f64; 2]> {
     match [least, greatest].map(is_angle) {
         [true, true] => Some([least, greatest]),
@@ -43,15 +43,15 @@ pub(crate) fn is_deviation(x: f64) -> bool {
     x == f64::INFINITY || (0.0..=GREATEST_LENGTH).contains(&x)
 }
 
-/// What is wrong with a place, and the mend.
+/// What is wrong with a place, and the fix.
 pub(crate) fn place_fault(place: &Vector3<f64>) -> Option<String> {
     let wrong = place.iter().find(|x| !is_length(**x))?;
     Some(format!(
-        "has a coordinate of {wrong} m: give metres, within {GREATEST_LENGTH} of its frame's origin"
+        "has a coordinate of {wrong} m: give metres, at most {GREATEST_LENGTH} from its frame's origin"
     ))
 }
 
-/// What is wrong with a direction, and the mend.
+/// What is wrong with a direction, and the fix.
 pub(crate) fn direction_fault(direction: &Vector3<f64>) -> Option<String> {
     let length = direction.norm();
     let unit = (length - 1.0).abs() <= UNIT;
@@ -59,21 +59,21 @@ pub(crate) fn direction_fault(direction: &Vector3<f64>) -> Option<String> {
         .then(|| format!("has a direction of length {length}: divide it by its length, and keep five digits"))
 }
 
-/// What is wrong with a rotation, and the mend.
+/// What is wrong with a rotation, and the fix.
 pub(crate) fn rotation_fault(rotation: &Matrix3<f64>) -> Option<String> {
     let off = (rotation.tr_mul(rotation) - Matrix3::identity()).amax();
     let turns = off <= UNIT && rotation.determinant() > 0.0;
     (!turns).then(|| {
-        "has a rotation that is none: give three columns of length 1 at right angles, right-handed, to five digits".into()
+        "has an invalid rotation: give three orthonormal, right-handed columns, to five digits".into()
     })
 }
 
-/// What is wrong with a pose, and the mend.
+/// What is wrong with a pose, and the fix.
 pub(crate) fn pose_fault(pose: &Frame) -> Option<String> {
     place_fault(&pose.origin).or_else(|| rotation_fault(&pose.rotation))
 }
 
-/// What is wrong with a shape's size, and the mend.
+/// What is wrong with a shape's size, and the fix.
 pub(crate) fn shape_fault(shape: &Shape) -> Option<String> {
     let sizes = match shape {
         Shape::Sphere { radius } => vec![*radius],
@@ -86,11 +86,11 @@ pub(crate) fn shape_fault(shape: &Shape) -> Option<String> {
         Shape::Mesh => Vec::new(),
     };
     let wrong = sizes.into_iter().find(|size| !(*size > 0.0 && *size <= GREATEST_LENGTH))?;
-    Some(format!("has a shape of size {wrong} m: give metres above 0, to {GREATEST_LENGTH} at the most"))
+    Some(format!("has a shape of size {wrong} m: give metres above 0, at most {GREATEST_LENGTH}"))
 }
 
-/// What is wrong with a patch's half extents, and the mend.
+/// What is wrong with a patch's half extents, and the fix.
 pub(crate) fn extent_fault(half_extents: &[f64; 2]) -> Option<String> {
     let wrong = half_extents.iter().find(|half| !(0.0..=GREATEST_LENGTH).contains(*half))?;
-    Some(format!("has a half extent of {wrong} m: give metres from 0 on, to {GREATEST_LENGTH} at the most"))
+    Some(format!("has a half extent of {wrong} m: give metres from 0 to {GREATEST_LENGTH}"))
 }

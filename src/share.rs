@@ -10,7 +10,7 @@ const MOST: u64 = 100_000;
 /// What is wrong with a share's name.
 fn no_share() -> Error {
     Error::usage(format!(
-        "give a share and how many there are, as in 3/16: from 1/16 to 16/16, of at most {MOST}"
+        "give a share and their number, such as 3/16: from 1/16 to 16/16, at most {MOST} shares"
     ))
 }
 
@@ -26,7 +26,7 @@ impl Share {
     /// All of it.
     pub const WHOLE: Share = Share { of: 1, number: 1 };
 
-    /// The share of a number, from 1 on; none where it is not one of so many.
+    /// The share of a number, from 1 on; `None` if it is not one of so many.
     pub fn new(number: u64, of: u64) -> Option<Share> {
         (1..=of.min(MOST)).contains(&number).then_some(Share { of, number }).filter(|_| of <= MOST)
     }

@@ -1,4 +1,4 @@
-//! Bouts: made in any order, handed on in theirs; and how far a session of them has come.
+//! Bouts: made in any order, delivered in sequence; and the progress of a session of them.
 
 use std::collections::BTreeMap;
 
@@ -57,8 +57,9 @@ impl Bout {
         match recorded.is_none_or(same) {
             true => Ok(self),
             false => Err(Error::model(format!(
-                "bout {number} of a share is not what is babbled here: it was changed, or made by another version of bodyschema or \
-                 on a machine that reckons otherwise; make that share again, here"
+                "bout {number} of a share differs from what is babbled here: it was edited, or made by another \
+                 version of bodyschema or on a machine with different floating-point results; make that share \
+                 again here"
             ))),
         }
     }

@@ -282,8 +282,8 @@ fn ended(options: &BabblingOptions, touches: usize, effort: Effort) -> Result<Ef
     Err(Error::new(
         Kind::NoContact,
         format!(
-            "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give joints wider ranges or \
-             limbs more girth, or grow more skin"
+            "no touch in {motions} motions ({bare} met bare geometry): move more joints (--joints all), give \
+             joints wider ranges or make limbs thicker, or grow more skin"
         ),
     ))
 }

@@ -57,10 +57,10 @@ impl Calibration<'_> {
                 [most @ .., last] if !most.is_empty() => {
                     let ways = match untold.ways {
                         1 => String::new(),
-                        ways => format!(" ({ways} ways to change unfelt)"),
+                        ways => format!(" ({ways} unobservable directions)"),
                     };
                     let most = most.join(", ");
-                    sentences.push(format!("{most} and {last} cannot be told apart by these touches{ways}"));
+                    sentences.push(format!("{most} and {last} are confounded by these touches{ways}"));
                 }
                 names => alone.extend_from_slice(names),
             }
@@ -68,8 +68,7 @@ impl Calibration<'_> {
         alone.extend(self.fit.untold_signs.iter().map(|sign| self.robot.quantities[*sign].name.clone()));
         if !alone.is_empty() {
             let alone = alone.join(", ");
-            sentences
-                .push(format!("not determined by these touches, and left at the maker's value: {alone}"));
+            sentences.push(format!("not determined by these touches, left at their nominal values: {alone}"));
         }
         sentences
     }
@@ -102,7 +101,7 @@ impl Calibration<'_> {
     pub fn verdict(&self) -> String {
         let sentences: Vec<String> = self.objections.iter().map(ToString::to_string).collect();
         match self.is_calibrated() {
-            true => "calibrated: the touches are explained by what was found".into(),
+            true => "calibrated: the estimated parameters explain the touches".into(),
             false => format!("NOT calibrated: {}", sentences.join("; ")),
         }
     }
@@ -112,7 +111,7 @@ impl Calibration<'_> {
         let of_all = [("before", Misses::of(&self.before())), ("after", Misses::of(&self.fit.seen))];
         let mut misses = of_all.map(|(name, misses)| (name.to_string(), misses)).to_vec();
         if self.fit.noise.false_share > 0.0 {
-            misses.push(("after, without false ones".into(), Misses::of(self.fit.inliers())));
+            misses.push(("after, without outliers".into(), Misses::of(self.fit.inliers())));
         }
         if let [first, others @ ..] = self.judged {
             let parts = if others.is_empty() { String::new() } else { format!("{} × ", self.judged.len()) };
@@ -133,11 +132,11 @@ impl Calibration<'_> {
         }
         if rows < FEWEST_HELD_OUT {
             return Some(format!(
-                "too few held-out rows to check an interval that should hold 95 %: {rows}, at least {FEWEST_HELD_OUT}"
+                "too few held-out rows to check the 95 % interval: {rows} of at least {FEWEST_HELD_OUT}"
             ));
         }
         Some(format!(
-            "{:.1} % of what was held out is within the interval that should hold 95 % ({:.3} mm wide on average)",
+            "{:.1} % of the held-out residuals are within the 95 % interval ({:.3} mm wide on average)",
             100.0 * mean(self.judged.iter().map(|judged| judged.within)),
             1e3 * mean(self.judged.iter().map(|judged| judged.interval))
         ))

@@ -21,7 +21,7 @@ pub const FEWEST_HELD_OUT: usize = 20;
 /// Stretches of time of which some are held out.
 const STRETCHES: usize = 20;
 
-/// How far apart what touched is put, metres.
+/// Contact residuals, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Misses {
     /// Root of the mean square.

@@ -60,7 +60,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// How far apart what touched is put, metres.
+    /// Contact residuals, metres.
     pub fn apart(&self) -> f64 {
         self.residuals.value.norm()
     }

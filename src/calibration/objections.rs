@@ -138,8 +138,9 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
         _ if unmoved => {
             let names: Vec<&str> = still.iter().map(|dof| estimator.robot.dofs[*dof].name.as_str()).collect();
             let (names, left) = (names.join(", "), Misses::of(fit.inliers()).rms);
-            let sentence =
-                format!("{names}: the encoder always reads the same, and is dead if the joint moved");
+            let sentence = format!(
+                "{names}: the encoder reading never changes; if the joint moved, the encoder is dead"
+            );
             found.push(Question::Pattern.about(names, [left, left], sentence));
         }
         _ => {}
@@ -213,7 +214,7 @@ fn mm(metres: f64) -> String {
 
 /// Whether there are enough rows, for all numbers together and for each of them.
 fn rows(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
-    const MORE: &str = "make more touches (`bodyschema plan`), or say less to be unknown";
+    const MORE: &str = "make more touches (`bodyschema plan`), or estimate fewer quantities";
     let all = fit.redundancy();
     if all.spare() < 0.0 {
         let rows = estimator.touches.len() as f64;
@@ -222,7 +223,7 @@ fn rows(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
         let least = (all.unknowns + all.unknowns.max(FEWEST_SPARE)) / each;
         let needed = (least - 1e-6).ceil() + (rows - all.rows).round();
         let sentence = format!(
-            "too few rows: {rows}, at least {needed} for {:.0} numbers to be found and tested: {MORE}",
+            "too few rows: {rows}, but at least {needed} are needed to estimate and test {:.0} parameters; {MORE}",
             all.unknowns
         );
         return Some(Question::Rows.about(None, [rows, needed], sentence));
@@ -239,7 +240,9 @@ fn rows(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let (place, rows, spare) = worst.filter(|(.., spare)| *spare < FEWEST_BEARING)?;
     let name = unknowns.name(estimator.robot, place);
     let needed = (rows + FEWEST_BEARING - spare).ceil();
-    let sentence = format!("too few rows: {rows:.0} bear on {name}, at least {needed} to test it: {MORE}");
+    let sentence = format!(
+        "too few rows: {rows:.0} depend on {name}, but at least {needed} are needed to test it; {MORE}"
+    );
     Some(Question::Rows.about(name, [rows, needed], sentence))
 }
 
@@ -248,8 +251,8 @@ fn control(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let [left, random] =
         left_and_random(estimator, fit).filter(|[left, random]| *left >= EXPLAINED * random)?;
     let sentence = format!(
-        "what touched stays {} mm apart, and {} mm with what was measured exchanged between touches: limbs or columns may be \
-         exchanged, units wrong, or what is off is not among what is said to be unknown",
+        "the contact residual stays at {} mm, little better than the {} mm with measurements shuffled between \
+         touches: limbs or columns may be swapped, units wrong, or the faulty quantity not among those estimated",
         mm(left),
         mm(random)
     );
@@ -259,7 +262,7 @@ fn control(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
 /// Whether most touches are explained.
 fn outliers(_: &Estimator, fit: &Fit) -> Option<Objection> {
     let share = fit.noise.false_share;
-    let sentence = format!("{:.0} % of the touches are not explained", 100.0 * share);
+    let sentence = format!("{:.0} % of the touches are outliers", 100.0 * share);
     (share >= MOST_FALSE).then(|| Question::Outliers.about(None, [share, MOST_FALSE], sentence))
 }
 
@@ -267,8 +270,8 @@ fn outliers(_: &Estimator, fit: &Fit) -> Option<Objection> {
 fn signs(_: &Estimator, fit: &Fit) -> Option<Objection> {
     let [agreeing, all] = fit.sign_starts.filter(|[agreeing, _]| *agreeing < CONFIRMED)?;
     let sentence = format!(
-        "of {all} starts only one came to these signs of encoders, which may be the wrong ones: make more touches, or say signs \
-         that are known (--fix)"
+        "only one of {all} starts found these encoder signs, so they may be wrong: make more touches, or fix \
+         known signs (--fix)"
     );
     Some(Question::Signs.about(None, [agreeing as f64, all as f64], sentence))
 }
@@ -298,7 +301,7 @@ fn noise(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let beyond = (squares - spare) / (2.0 * spare).sqrt();
     (spare > 1.0 && beyond > SURE && squares > UNDERSTATED.powi(2) * spare).then(|| {
         let sentence = format!(
-            "a_std and b_std together state {} mm for each coordinate, and {} mm are left",
+            "a_std and b_std together give {} mm per coordinate, but the residual is {} mm",
             mm(said),
             mm(rms)
         );
@@ -323,7 +326,8 @@ fn prior(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let (factor, unit) = robot.quantities[unknowns.parameters[place].0].unit.for_readers();
     let said = factor * unknowns.deviation_before(place).unwrap_or(0.0);
     let sentence = format!(
-        "the touches contradict the prior of {name} ({} {unit}): they put it {} deviations away; give it a wider prior, or free it",
+        "the touches contradict the prior of {name} ({} {unit}): their estimate is {} standard deviations away; \
+         widen the prior, or free it",
         number(said),
         number(off)
     );
@@ -352,8 +356,8 @@ fn scale(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
     let [after, before] = [length(&fit.values), length(&robot.nominal())];
     (after < SHRUNK * before).then(|| {
         let sentence = format!(
-            "the lengths that are free shrank to {:.0} % of what they were: a small body is near whatever it touches; fix a length, or \
-             say how nearly they are known (--prior)",
+            "the free lengths shrank to {:.0} % of their nominal values, because a smaller body always has \
+             smaller residuals; fix a length, or give priors (--prior)",
             100.0 * after / before
         );
         Question::Scale.about(None, [after, before], sentence)
@@ -366,10 +370,8 @@ fn held_out(judged: &[Judgement]) -> Option<Objection> {
     let within = mean(judged.iter().map(|judgement| judgement.within));
     let sure = SURE * (HOLDS * (1.0 - HOLDS) / touches.max(1.0)).sqrt();
     (touches > 0.0 && within < HOLDS_AT_LEAST && within < HOLDS - sure).then(|| {
-        let sentence = format!(
-            "only {:.0} % of the held-out touches are within the interval that should hold 95 %",
-            100.0 * within
-        );
+        let sentence =
+            format!("only {:.0} % of the held-out touches are within the 95 % interval", 100.0 * within);
         Question::HeldOut.about(None, [within, HOLDS], sentence)
     })
 }
@@ -385,7 +387,9 @@ fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation, still: &[usize]
         Cause::Quantity(_) => format!("freeing {name} reduces {lower} (--free {name})"),
         Cause::Reversed(d) => {
             let joint = &robot.dofs[d].name;
-            format!("the encoder of {joint} counts the other way: reversing {name} reduces {lower}")
+            format!(
+                "the encoder of {joint} counts in the opposite direction: reversing {name} reduces {lower}"
+            )
         }
         Cause::Dead(d) => {
             let about = &robot.dofs[d];
@@ -397,24 +401,24 @@ fn pattern(estimator: &Estimator, fit: &Fit, best: &Explanation, still: &[usize]
             format!("the encoder of {name} does not follow its joint{}", read.unwrap_or_default())
         }
         Cause::Curved(_) => format!(
-            "the contact residual depends on the angle of {name}: an encoder that is no straight line reduces {lower}"
+            "the contact residual depends on the angle of {name}: a nonlinear encoder reduces {lower}"
         ),
         Cause::Slipped(_, from) => {
             let line = estimator.touches[from].line;
             format!(
-                "{name} changed in the course of the log: another value from about line {line} on reduces {lower}"
+                "{name} changed during the log: a different value from about line {line} on reduces {lower}"
             )
         }
         Cause::Convention => format!(
-            "the table is of the other Denavit-Hartenberg convention: reading it so reduces {lower} (column convention)"
+            "the table uses the other Denavit-Hartenberg convention: reading it that way reduces {lower} (column convention)"
         ),
     };
     Question::Pattern.about(name, [left, with], sentence)
 }
 
-/// How far apart what touched is put, and how far it would be with what was measured exchanged between touches of the same two
-/// links: what a body that explains nothing leaves. Exchanged are postures where points differ; where they are the same in all only
-/// joints were measured, and each is exchanged by itself. `None` if no two touches are between the same.
+/// Contact residuals, and what they would be with measurements exchanged between touches of the same two links:
+/// what a body that explains nothing leaves. Exchanged are postures where points differ; where they are the same in all
+/// only joints were measured, and each is exchanged by itself. `None` if no two touches are between the same.
 fn left_and_random(estimator: &Estimator, fit: &Fit) -> Option<[f64; 2]> {
     let touches = estimator.touches;
     let mut alike: BTreeMap<[(bool, usize); 2], Vec<usize>> = BTreeMap::new();

@@ -104,8 +104,8 @@ impl Told {
         if scale > 0.0 { self.covariance[(i, j)] / scale } else { 0.0 }
     }
 
-    /// What cannot be told apart: quantities by name, and in how many ways they change together unfelt. Ties that share a
-    /// quantity are one.
+    /// Confounded and unobservable quantities by name, and the number of directions in which they are.
+    /// Ties that share a quantity are one.
     pub fn untold(&self, robot: &Robot, unknowns: &Unknowns) -> Vec<Untold> {
         let mut groups: Vec<(BTreeSet<usize>, usize)> = Vec::new();
         for tie in &self.ties {

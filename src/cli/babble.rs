@@ -28,9 +28,9 @@ use crate::view::report::REPORT_FILE;
 
 /// Babble, touch, learn the body schema, and measure it.
 ///
-/// The creature moves about, few joints at first, and stops where its skin touches its skin. From the pairs of
-/// receptors and the joint angles alone it learns where its joints are and how they turn, and touches what it does not
-/// know yet; the model's own kinematics serve only to measure the result. All goes into a session folder.
+/// The creature moves, at first with few joints, and stops at each self-contact. From the receptor pairs and joint
+/// angles alone it learns where its joints are and how they turn, and explores what it does not know yet. The model's
+/// own kinematics serve only to measure the result. Everything is written to a session folder.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
   bodyschema babble                                                          # Max, mjcf/max/max.xml
@@ -46,7 +46,7 @@ use crate::view::report::REPORT_FILE;
 pub struct BabbleArguments {
     #[command(flatten)]
     asked: SessionArguments,
-    /// Threads; they change nothing but the time [default: one per core]
+    /// Number of threads; affects only the running time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
     jobs: Option<u16>,
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
@@ -54,13 +54,13 @@ pub struct BabbleArguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// Go on with a session that was interrupted, with the options that are in its session.json: its touches become
-    /// what they would have been. Takes --jobs, --json and --live beside it
+    /// Resume an interrupted session with the options in its session.json; its touches are the same as without the
+    /// interruption. Can be combined with --jobs, --json and --live
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     resume: Option<PathBuf>,
-    /// Babble only this share of the session, as in 3/16: other processes, here or elsewhere, make the others, and
-    /// `bodyschema study merge DIR` makes of all what one process would have made. Babbles at random; the same command goes on
-    /// with a share that was interrupted
+    /// Babble only this share of the session, such as 3/16. Other processes, on this machine or others, make the rest,
+    /// and `bodyschema study merge DIR` merges all shares into what a single process would have written. Babbles at
+    /// random; the same command resumes an interrupted share
     #[arg(
         long,
         value_name = "SHARE",
@@ -76,38 +76,36 @@ pub struct BabbleArguments {
     live: LiveOptions,
 }
 
-/// What a session is asked: its file keeps this.
+/// The options of a session, stored in its file.
 #[derive(clap::Args, Clone, Serialize, Deserialize)]
 #[command(next_help_heading = "Babbling")]
 pub struct SessionArguments {
-    /// The MJCF or URDF file of a creature; without touch sensors it gets some in memory
+    /// The creature's MJCF or URDF file; if it has no touch sensors, some are added in memory
     #[arg(default_value = MAX, value_name = "MODEL", help_heading = None)]
     model: PathBuf,
-    /// Touches to make; stages end by themselves where all is known that can be touched [default: 1000; of stages 4000 at the
-    /// most]
+    /// Number of touches; the policy stages stops early once everything that can be touched is known [default: 1000; up
+    /// to 4000 for stages]
     #[arg(long, value_parser = count)]
     touches: Option<usize>,
-    /// Stop after this many seconds and keep what has been learned: how much that is depends on what else the computer does
-    /// [default: none]
+    /// Stop after this many seconds and keep what has been learned; how much depends on the computer's load [default: none]
     #[arg(long, value_parser = positive, conflicts_with = "work")]
     seconds: Option<f64>,
-    /// Stop after so much work, the same on any computer: about what one core does in so many seconds [default: 50; none with
+    /// Stop after this much work, in units of about one second on one core, the same on any computer [default: 50; none with
     /// --seconds, --touches or --motion dynamic]
     #[arg(long, value_parser = positive)]
     work: Option<f64>,
     /// Seed of all random numbers: the same seed gives the same touches
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// The joints that move: a set that the model names (torso), all, or names separated by commas
-    /// [default: torso where the model names it, else all]
+    /// The joints that move: a joint set named in the model (torso), all, or names separated by commas [default: torso
+    /// where the model names it, else all]
     #[arg(long)]
     joints: Option<JointSelection>,
-    /// How motions are chosen; all but random learn a schema on the way to choose by, on one thread [default: stages for
-    /// known surfaces, undisturbed, without physics and known joints, unless another learner than growth is
-    /// named; else random]
+    /// How motions are chosen; every policy but random learns a schema along the way to choose by, on one thread [default:
+    /// random with disturbances, dynamic motion, --known, --skin centres or a learner other than growth; else stages]
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
-    /// How the body is moved: straight through its postures, or by servos in a simulation with gravity
+    /// How the body is moved: straight from posture to posture, or by servos in a simulation with gravity
     #[arg(long, value_enum, default_value_t)]
     motion: MotionName,
     #[command(flatten)]
@@ -138,17 +136,18 @@ impl SessionArguments {
         }
     }
 
-    /// What a session was asked; `folder` is for messages about it.
+    /// The options of a session; `folder` is for error messages.
     pub fn of_session(session: &Session, folder: &Path) -> Result<SessionArguments, Failure> {
         let place = folder.join(SESSION_FILE).display().to_string();
         if session.recording.is_some() || session.options.touches == 0 {
             return Err(Failure(format!(
-                "{place}: it is not of babbling: give a folder that `bodyschema babble` made"
+                "{place}: not a babbling session; give a folder written by `bodyschema babble`"
             )));
         }
         serde_json::from_value(session.options.asked.clone()).map_err(|what| {
             Failure(format!(
-                "{place}: its options cannot be used ({what}): it is of another version of bodyschema, or was changed; babble anew"
+                "{place}: its options cannot be used ({what}): it was written by another version of bodyschema or \
+                 edited; babble again"
             ))
         })
     }
@@ -238,7 +237,7 @@ impl Job {
         let session = BabblingSession::resume(&self.embodied, &self.setup, &lock, session)?;
         let (made, all) = (session.made(), self.setup.babbling.touches);
         if session.is_babbled() && folder.join(REPORT_FILE).exists() {
-            tell!("{place} is complete: nothing is left to do");
+            tell!("{place} is complete: nothing left to do");
             if self.json {
                 output::json(&json!({"session": folder, "touches": made, "complete": true}))?;
             }
@@ -247,12 +246,12 @@ impl Job {
         if session.zeros() > 0 {
             let zeros = session.zeros();
             tell!(
-                "{place}: its log ended in {zeros} zero bytes, as a power failure leaves them: they are dropped"
+                "{place}: its log ended in {zeros} zero bytes, as after a power failure; they were removed"
             );
         }
         match session.is_babbled() {
-            true => tell!("{place}: all {made} touches are there; learning from them"),
-            false => tell!("{place}: going on after touch {made} of {all}"),
+            true => tell!("{place}: all {made} touches are present; learning from them"),
+            false => tell!("{place}: resuming after touch {made} of {all}"),
         }
         self.complete(lock, page, made, |observers| make(session, observers))
     }
@@ -282,7 +281,7 @@ impl Job {
         }
         let result = learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.json)?;
         if let Some(limit) = result.ended_by {
-            tell!("the search for what explains them ended {limit}");
+            tell!("the search for a schema ended {limit}");
         }
         if let Some(view) = view {
             view.done(&result.record.verdict, &result.learned.schema, lock.place().join(REPORT_FILE));
@@ -301,15 +300,15 @@ fn make_share(job: &Job, share: Share, folder: &Path) -> Outcome {
     let place = lock.folder();
     let session = BabblingSession::take_up(&job.embodied, &job.setup, &lock, job.provenance())?;
     match session.made() {
-        _ if session.is_babbled() => tell!("{} is complete: nothing is left to do", place.display()),
+        _ if session.is_babbled() => tell!("{} is complete: nothing left to do", place.display()),
         0 => {}
-        made => tell!("{}: going on after touch {made}", place.display()),
+        made => tell!("{}: resuming after touch {made}", place.display()),
     }
     let session = session.babble(&Bars::default())?.session;
     let effort = session.effort;
     let touches = effort.and_then(|effort| effort.touches).unwrap_or_default();
     if let Some(effort) = effort.filter(|effort| effort.touches == Some(0)) {
-        tell!("nothing was touched in {} motions of this share", effort.of_motions.motions);
+        tell!("no touch in {} motions of this share", effort.of_motions.motions);
     }
     if job.json {
         return output::json(&json!({
@@ -321,6 +320,6 @@ fn make_share(job: &Job, share: Share, folder: &Path) -> Outcome {
         }));
     }
     say!("share {share}: {touches} touches, in {}", place.display());
-    say!("next, when all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
+    say!("once all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
     Ok(())
 }

@@ -5,14 +5,14 @@ use clap_complete::Shell;
 
 use super::Outcome;
 
-/// Print a script by which a shell completes bodyschema's commands, options and values.
+/// Print a shell completion script for bodyschema's commands, options and values.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema completions bash > bodyschema.bash
   bodyschema completions zsh > _bodyschema
   bodyschema completions fish > bodyschema.fish
 
-Where it goes: bash ~/.local/share/bash-completion/completions/bodyschema, zsh a folder of $fpath,
+Install it as: bash ~/.local/share/bash-completion/completions/bodyschema, zsh in a folder of $fpath,
 fish ~/.config/fish/completions/bodyschema.fish.")]
 pub struct CompletionsArguments {
     /// The shell

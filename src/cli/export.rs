@@ -10,11 +10,11 @@ use crate::session::{LEARNED_FILE, MadeFolders, ReadLock, SCHEMA_FILE, Session, 
 
 /// Write a session's learned body as a model for other programs.
 ///
-/// The file's ending chooses the format: .xml for MJCF, which MuJoCo's `simulate` opens, .urdf for URDF, .csv for a table of
-/// the joints, .vtk for the skin in the reference posture, which ParaView opens. In MJCF and URDF the joints are
-/// where the schema has them, the limbs have the shapes of the skin, masses are stand-ins. URDF has no balls, capsules or
-/// ellipsoids: three hinges stand for a ball, a cylinder and two spheres for a capsule, and ellipsoids refer to an STL mesh
-/// that is written beside the file. Limbs of a recording without a skin have no shape.
+/// The file extension selects the format: .xml for MJCF, .urdf for URDF, .csv for a table of the joints, .vtk for the
+/// skin in the reference posture (for ParaView). In MJCF and URDF, joints are placed as in the schema, limbs have the
+/// shapes of the skin, and masses are placeholders. URDF has no ball joints, capsules or ellipsoids: a ball becomes
+/// three hinges, a capsule a cylinder and two spheres, and an ellipsoid an STL mesh written next to the file. Limbs of
+/// a recording without a skin have no shape.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema export sessions/max-1
@@ -35,7 +35,7 @@ pub fn run(args: &ExportArguments) -> Outcome {
     for (given, old, ending) in [(args.mjcf, "--mjcf", "xml"), (args.urdf, "--urdf", "urdf")] {
         if given {
             return Err(Failure(format!(
-                "{old}: the file's ending chooses the format: give --out FILE.{ending}"
+                "{old}: the file extension selects the format: give --out FILE.{ending}"
             )));
         }
     }

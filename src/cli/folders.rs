@@ -29,7 +29,7 @@ const OF_SESSIONS: [&str; 11] = [
 /// Whether results that are there already may be replaced.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct Force {
-    /// Replace the results that are in the folder already; they stay until the new ones are complete
+    /// Replace existing results in the folder; they are kept until the new ones are complete
     #[arg(long, requires = "out", help_heading = "Output")]
     force: bool,
 }
@@ -61,7 +61,7 @@ pub fn written_session(folder: &Path) -> Result<FolderLock, Failure> {
 pub fn take_share(folder: &Path, share: Share, whole: &str) -> Result<FolderLock, Failure> {
     if folder.join(whole).exists() && !folder.join(SHARES_FOLDER).exists() {
         return Err(Failure(format!(
-            "{} holds work that was not cut into shares ({whole}): give another folder with --out",
+            "{} contains unsharded work ({whole}): give another folder with --out",
             folder.display()
         )));
     }
@@ -87,13 +87,13 @@ pub fn free_folder(
                 };
                 if let Some(name) = files.iter().find(no_file) {
                     let path = folder.join(name);
-                    return Err(Failure(format!("{}: it is no file: move it away first", path.display())));
+                    return Err(Failure(format!("{}: not a file; move it away first", path.display())));
                 }
                 lock.replace(files)?;
             }
             Some(file) => {
                 return Err(Failure(format!(
-                    "{} holds a {what} already ({file}): give another folder with --out, or replace it with --force",
+                    "{} already contains a {what} ({file}): give another folder with --out, or replace it with --force",
                     folder.display()
                 )));
             }
@@ -110,7 +110,7 @@ pub fn free_folder(
             Err(error) => return Err(error.into()),
         }
     }
-    Err("all numbers of folders are taken: give one with --out".into())
+    Err("all folder numbers are taken: give a folder with --out".into())
 }
 
 /// The first of some files that is in a folder.

@@ -1,4 +1,4 @@
-//! `bodyschema inspect`: what the agent is given.
+//! `bodyschema inspect`: shows what the agent is given.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::simulation::{Relation, SelfContact};
 use crate::skin::{SomatotopicMap, aura_of};
 use crate::view::table::Table;
 
-/// Tell a model's tree, degrees of freedom, limbs and receptors.
+/// Show a model's tree, degrees of freedom, limbs and receptors.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema inspect mjcf/max/max.xml
@@ -35,7 +35,7 @@ pub struct InspectArguments {
 const MOST_PAIRS: usize = 20;
 
 pub fn run(args: &InspectArguments) -> Outcome {
-    let spinner = progress::spinner("looking at the model");
+    let spinner = progress::spinner("reading the model");
     rehearse(&args.model)?;
     let (model, left_out) = Model::read(&args.model)?;
     let model = Arc::new(model);
@@ -128,33 +128,33 @@ pub fn run(args: &InspectArguments) -> Outcome {
     let [joints, dof] = ["torso_joints", "torso_dof"].map(|field| &found[field]);
     say!("learned by default: {joints} joints, {dof} degrees of freedom\n");
     if found["creatures"].as_array().is_some_and(|all| all.len() > 1) {
-        list(&found["creatures"], &[("creatures in the file, for --root", "root"), ("joints", "joints")]);
+        list(&found["creatures"], &[("creatures in the file (for --root)", "root"), ("joints", "joints")]);
     }
-    counts("left out, for this MuJoCo does not take it as it is", "lost: ", &found["left_out"]["lost"]);
+    counts("left out, because this MuJoCo does not accept it", "lost: ", &found["left_out"]["lost"]);
     counts("left out as well", "not needed: ", &found["left_out"]["unneeded"]);
     left_out.notes.iter().for_each(|note| say!("note: {note}\n"));
     print_tree(creature, learned, 0, 0);
     say!("\n{}\n", posture_in_words(&sensors));
     if found["constraints_not_heeded"] != 0 {
         let count = &found["constraints_not_heeded"];
-        say!("{count} constraints that close the tree or couple tendons are not heeded\n");
+        say!("{count} constraints that close loops or couple tendons are ignored\n");
     }
     print_contact(&contact, &found["limb_pairs"]);
     counts("receptors of aura limbs", "", &found["receptors_by_limb"]);
     if skin.receptors.is_empty() {
-        say!("no touch sensors: grow a skin with `bodyschema skin {} --out NEW`", args.model.display());
+        say!("no touch sensors; grow a skin with `bodyschema skin {} --out NEW`", args.model.display());
         return Ok(());
     }
     let of_aura =
         [("aura of", "limb"), ("radius, m", "radius"), ("reach, m", "reach"), ("of the model", "of_model")];
     list(&found["auras"], &of_aura);
     say!(
-        "each receptor has {:.1} neighbours on average, {} have none; {} of {links} links are across limbs",
+        "each receptor has {:.1} neighbours on average, {} have none; {} of {links} links cross limbs",
         found["neighbours_mean"].as_f64().unwrap_or_default(),
         found["neighbours_none"].as_array().map_or(0, Vec::len),
         found["links_across_limbs"]
     );
-    say!("to see them: bodyschema view {}", args.model.display());
+    say!("to see them, run `bodyschema view {}`", args.model.display());
     Ok(())
 }
 
@@ -178,8 +178,8 @@ fn counts(title: &str, kind: &str, counted: &Value) {
 /// Which limb pairs can touch, and each that differs from what its model says.
 fn print_contact(contact: &SelfContact, pairs: &Value) {
     say!(
-        "of {} pairs of limbs that are learned, {} can touch ({} of them though the model switches it off), {} are \
-         neighbours, {} overlap for good, {} are excluded by the model\n",
+        "of {} pairs of learned limbs, {} can touch ({} of them although the model disables it), {} are \
+         neighbours, {} always overlap, {} are excluded by the model\n",
         contact.pairs.len(),
         contact.count(Relation::Touch),
         contact.pairs.iter().filter(|pair| pair.switched_on).count(),
@@ -196,15 +196,15 @@ fn print_contact(contact: &SelfContact, pairs: &Value) {
         return;
     }
     let columns = [
-        ("pairs that are special", "limbs"),
+        ("special pairs", "limbs"),
         ("relation", "relation"),
         ("switched on", "switched_on"),
         ("geom pairs left out", "geom_pairs_left_out"),
-        ("share of postures in which they meet", "meeting"),
+        ("share of postures in contact", "meeting"),
     ];
     list(&json!(odd[..odd.len().min(MOST_PAIRS)]), &columns);
     if odd.len() > MOST_PAIRS {
-        say!("… and {} more: --json has them all\n", odd.len() - MOST_PAIRS);
+        say!("… and {} more (see --json)\n", odd.len() - MOST_PAIRS);
     }
 }
 

@@ -15,14 +15,14 @@ use crate::session::{BabbledSession, FolderLock, LearningOptions, ReadLock, Sess
 
 /// Learn again from the touches of a session, or from a recording of a real body.
 ///
-/// Of a session, the log alone is enough: the creature and its skin are in it. Where the model is still at hand,
-/// the result is measured against it. The session's schema, table and learned model are replaced, all at once. With --out
-/// the session stays as it is, and a new one gets its touches and what is learned; --force replaces one that is there.
+/// For a session, the log alone is enough: it contains the creature and its skin. If the model is still available, the result
+/// is compared with it. The session's schema, table and learned model are replaced together. With --out the session is left
+/// unchanged, and its touches and the new results go into a new session; --force replaces an existing one.
 ///
-/// Given a model in place of a session, it babbles first: `learn MODEL` is `babble MODEL`, with its options.
+/// Given a model instead of a session, it babbles first: `learn MODEL` is the same as `babble MODEL`, with the same options.
 ///
-/// Of a recording, a description of the creature in JSON and a log of touches are enough, and no model is
-/// needed: a new session is made of the two. Units are metres and radians.
+/// For a recording, a JSON description of the creature and a log of touches are enough, and no model is needed: a new
+/// session is made from the two. Units are metres and radians.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
   bodyschema learn sessions/max-1
@@ -41,11 +41,11 @@ pub struct LearnArguments {
     /// one, or a whole session.json
     #[arg(long, value_name = "FILE", requires = "log", help_heading = "A recording")]
     creature: Option<PathBuf>,
-    /// The recorded touches: a table of comma-separated values, or JSON, a touch a line or a list; packed by gzip or not
+    /// The recorded touches: CSV, or JSON with one touch per line or a list; optionally gzipped
     #[arg(long, value_name = "FILE", requires = "creature", help_heading = "A recording")]
     log: Option<PathBuf>,
-    /// The folder of a new session, which what is learned goes to [default: of a recording the first free of
-    /// sessions/CREATURE-1, -2, …; of a session its own]
+    /// Folder of a new session for the results [default: for a recording, the first free of sessions/CREATURE-1, -2, …;
+    /// for a session, its own folder]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -53,12 +53,12 @@ pub struct LearnArguments {
     /// Use only the first touches of the log
     #[arg(long, value_parser = count)]
     touches: Option<usize>,
-    /// Draw the initial guesses from another seed than the session's
+    /// Draw the initial guesses with a seed other than the session's
     #[arg(long)]
     seed: Option<u64>,
     #[command(flatten)]
     learning: LearningArguments,
-    /// The model to measure against, where it is not at the path in the session
+    /// The model to compare with, if it is not at the path recorded in the session
     #[arg(long)]
     model: Option<PathBuf>,
     /// Print one JSON object
@@ -73,8 +73,8 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   touches.csv  limb_a,limb_b,ax,ay,az,bx,by,bz,elbow_pitch
                base,forearm,0.08,0.01,0.02,0.21,0.00,0.01,0.75
                base,forearm,0.05,0.02,0.02,0.19,0.01,0.00,1.10
-  Receptors of a skin: receptor_a,receptor_b in place of limbs and points. Standard deviations of the points'
-  coordinates, metres: a_std,b_std; without them noise is estimated. As JSON, a line a touch:
+  For receptors, use the columns receptor_a,receptor_b instead of limbs and points. a_std,b_std are standard
+  deviations of the points' coordinates, metres; without them noise is estimated. In JSON, one touch per line:
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
 pub fn run(args: &LearnArguments) -> Outcome {
@@ -94,7 +94,7 @@ pub fn run(args: &LearnArguments) -> Outcome {
     let result = learn_and_print(&lock, &babbled, &learning, truth.as_ref(), &bars, args.json)?;
     if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
         tell!(
-            "these touches are explained where points are in the limbs' own frames, as URDF has them, which are not parallel at \
+            "these touches fit if points are in the limbs' own frames, as in URDF, which are not parallel at \
              zero: learn with `--frames limb --input contact`"
         );
     }
@@ -120,7 +120,7 @@ fn are_of_limb_frames(babbled: &BabbledSession, learning: &LearningOptions) -> b
 struct Learnable {
     /// Of the folder that what is learned goes to.
     lock: FolderLock,
-    /// The session that is new in it; none where it is there.
+    /// The session that is new in it; `None` if it is there.
     made: Option<BabbledSession>,
     session: Session,
     touches: Vec<RecordedTouch>,

@@ -57,7 +57,7 @@ struct Printed<'a> {
 }
 
 impl Printed<'_> {
-    /// How deep limbs were in each other where motions with physics stopped, millimetres; none where no touch tells.
+    /// How deep limbs were in each other where motions with physics stopped, millimetres; `None` if no touch tells.
     fn depth_mm(&self) -> Option<Summary> {
         let depths = || {
             self.babbled
@@ -118,7 +118,7 @@ impl Printed<'_> {
         if let Some(depth) = self.depth_mm() {
             let simulated = session.effort.and_then(|effort| effort.simulated_s());
             say!(
-                "moved by servos{}: limbs {} mm deep in each other on the median, {} mm at 95 %",
+                "moved by servos{}: median penetration {} mm, 95th percentile {} mm",
                 simulated.map_or(String::new(), |seconds| format!(" for {seconds:.0} simulated seconds")),
                 output::number(depth.median),
                 output::number(depth.p95)
@@ -168,17 +168,17 @@ impl Printed<'_> {
         let strongest = LevenbergMarquardt.name();
         if ![strongest, PartByPart.name()].contains(&options.learner.name()) {
             return format!(
-                "`bodyschema learn {folder} --learner {strongest}` learns from the same touches by the strongest learner"
+                "`bodyschema learn {folder} --learner {strongest}` learns from the same touches with the strongest learner"
             );
         }
         let more = match (&babbled.session.recording, shell_words(&babbled.session.command)) {
-            (Some(_), _) => "record more touches, of more pairs of limbs".to_string(),
+            (Some(_), _) => "record more touches, between more pairs of limbs".to_string(),
             (None, command) => {
                 let touches = MORE * babbled.touches.len().max(babbled.session.options.touches);
-                format!("touch more, with --touches {touches} and a folder of its own in `{command}`")
+                format!("make more touches: add --touches {touches} and a new folder to `{command}`")
             }
         };
-        format!("{more}; {folder}/{REPORT_FILE} shows which limbs and joints these exercise")
+        format!("{more}; {folder}/{REPORT_FILE} shows which limbs and joints the current touches involve")
     }
 
     /// What can be told without the truth.
@@ -186,19 +186,14 @@ impl Printed<'_> {
         let result = self.result;
         if let Some(account) = &result.own_account {
             if let Some(fresh) = &account.fresh_mm {
-                output::table(&summaries([("touches not fitted to, apart", "mm", *fresh)]));
+                output::table(&summaries([("held-out contact residual", "mm", *fresh)]));
             }
             if let Some(expected) = account.expected_mm {
-                say!(
-                    "  by its own account skin is {} mm off in another limb's frame (root mean square)",
-                    output::number(expected)
-                );
+                say!("  estimated surface error between limbs: {} mm RMS", output::number(expected));
             }
             say!("");
         }
-        say!(
-            "no model, so nothing is compared with the truth (--model names one); `bodyschema report` prints more"
-        );
+        say!("no comparison with the truth without a model (--model); `bodyschema report` prints more");
     }
 }
 
@@ -235,13 +230,11 @@ pub fn read_log(folder: &Path, agent: &Agent) -> Result<Vec<RecordedTouch>, Fail
     let place = folder.display();
     if let Some(line) = truncated {
         tell!(
-            "the log in {place} ends in the middle of line {line}: that touch is left out, all before it are used"
+            "the log in {place} ends in the middle of line {line}; that touch is ignored, all before it are used"
         );
     }
     if zeros > 0 {
-        tell!(
-            "the log in {place} ends in {zeros} zero bytes, as a power failure leaves them: they are left out"
-        );
+        tell!("the log in {place} ends in {zeros} zero bytes, as after a power failure; they are ignored");
     }
     Ok(touches)
 }

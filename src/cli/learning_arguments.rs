@@ -15,23 +15,20 @@ use crate::session::{DisturbanceLevels, LearningOptions, Session};
 #[derive(clap::Args, Clone, Debug, Serialize, Deserialize)]
 #[command(next_help_heading = "Learning")]
 pub struct LearningArguments {
-    /// The learner [default: growth of touches made by stages, where surfaces are known and nothing is disturbed;
-    /// else lm]
+    /// The learner [default: growth for touches made by stages, if surfaces are known and nothing is disturbed; else lm]
     #[arg(long, value_parser = learners())]
     learner: Option<String>,
-    /// What a touch reports [default: receptor; of a recording, what it holds]
+    /// What a touch reports [default: receptor; for a recording, whatever it contains]
     #[arg(long, value_enum)]
     pub input: Option<Input>,
-    /// What the agent knows of its skin
+    /// What the agent knows about its skin
     #[arg(long, value_enum, default_value_t)]
     skin: SkinKnowledge,
-    /// Which frames points on limbs are given in: where each limb has one of its own its pose on the joint is learned
-    /// as well (for the learner lm and --input contact)
+    /// The frames in which points on limbs are given (limb needs the learner lm and --input contact)
     #[arg(long, value_enum, default_value_t)]
     frames: LimbFrames,
-    /// What is known of joints before the first touch, for the learner lm: a schema.json, whole or with some
-    /// of its joints. A joint without deviations is known exactly and stays as it is; with position_std
-    /// (metres) and axis_std (radians) it is known nearly
+    /// Prior knowledge of joints, for the learner lm: a schema.json with all or some of its joints. A joint without deviations
+    /// is exact and stays fixed; position_std (metres) and axis_std (radians) are standard deviations of a prior
     #[arg(long, value_name = "FILE")]
     pub known: Option<PathBuf>,
     #[command(flatten)]

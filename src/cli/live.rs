@@ -1,4 +1,4 @@
-//! `--live`: a page to watch what is done while it is done, or to take part in it.
+//! `--live`: a page to follow a command live, or to take part.
 
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
@@ -21,7 +21,7 @@ pub struct Place {
 /// Whether there is a page, and where.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct LiveOptions {
-    /// Serve a page to watch it live in a browser, for this machine alone unless another address is given
+    /// Serve a page to watch it live in a browser, on this machine only unless another address is given
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = HERE_TEXT, value_parser = address, help_heading = "Output")]
     live: Option<SocketAddr>,
     /// Open that page in a browser
@@ -42,14 +42,14 @@ impl LiveOptions {
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     let alone = || text.parse::<IpAddr>().map(|address| SocketAddr::new(address, HERE.port()));
     text.parse().or_else(|_| alone()).map_err(|_| {
-        format!("give an address and a port, as in {HERE_TEXT}, or put --live last to have the page there")
+        format!("give an address and a port, such as {HERE_TEXT}, or put --live last for the default")
     })
 }
 
 /// All is done: who sits before a terminal can go on looking until they end it.
 pub fn rest(server: &Server) {
     if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
-        tell!("done; http://{}/ stays until Enter or Ctrl-C", server.address());
+        tell!("done; http://{}/ is served until Enter or Ctrl-C", server.address());
         let _ = std::io::stdin().lock().read_line(&mut String::new());
     }
 }
@@ -63,12 +63,12 @@ pub fn place_at(address: Option<SocketAddr>, open: bool) -> Result<Place, Failur
 pub fn look(view: LookingView, place: Place) -> Outcome {
     let _server = serve(place, Arc::new(view))?;
     if std::io::stdin().is_terminal() {
-        tell!("the page stays until Enter or Ctrl-C");
+        tell!("the page is served until Enter or Ctrl-C");
         let _ = std::io::stdin().lock().read_line(&mut String::new());
         return Ok(());
     }
     // Nobody types: a script, or the system that started it, ends it by a signal.
-    tell!("the page stays until this process is ended, as by `kill {}`", std::process::id());
+    tell!("the page is served until this process ends (`kill {}`)", std::process::id());
     loop {
         std::thread::park();
     }
@@ -82,21 +82,21 @@ fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
         bound => bound,
     };
     listener.map_err(|error| {
-        Failure(format!("no page can be served at {address} ({error}): give another address with --live"))
+        Failure(format!("cannot serve a page at {address} ({error}): give another address with --live"))
     })
 }
 
 pub fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
     let server = Server::new(place.listener, view)
-        .map_err(|error| Failure(format!("no page can be served ({error}): go on without --live")))?;
+        .map_err(|error| Failure(format!("cannot serve a page ({error}): run without --live")))?;
     tell!("live at http://{}/", server.address());
     if !server.address().ip().is_loopback() {
-        tell!("whoever reaches that address can see the page, and talk there if it is of a conversation");
+        tell!("anyone who can reach that address can see the page, and talk there during a conversation");
     }
     if place.open
         && let Err(error) = open::that_detached(format!("http://{}/", server.address()))
     {
-        tell!("no browser can be opened ({error}): open that address yourself");
+        tell!("cannot open a browser ({error}): open that address yourself");
     }
     Ok(server)
 }

@@ -8,7 +8,7 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::cli::output::line(format_args!($($text)*)) };
 }
 
-/// Tells a message on standard error; see [`output::message`].
+/// Prints a message to standard error; see [`output::message`].
 macro_rules! tell {
     ($($text:tt)*) => { $crate::cli::output::message(format_args!($($text)*)) };
 }
@@ -45,7 +45,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::session::is_model;
 
-/// What a command fails with: one sentence that names the file, the place and the mend.
+/// The error of a command: one sentence with the file, the position and the fix.
 #[derive(Debug)]
 pub struct Failure(String);
 
@@ -61,7 +61,7 @@ type Outcome = Result<(), Failure>;
 #[command(
     name = "bodyschema",
     version,
-    about = "A creature in MuJoCo learns where its joints are from nothing but touching itself",
+    about = "A creature in MuJoCo learns where its joints are from self-touch alone",
     after_help = "Examples:
   bodyschema babble mjcf/max/max.xml                         # babble, learn, and measure
   bodyschema inspect mjcf/max/max.xml                        # what the agent is given
@@ -69,20 +69,20 @@ type Outcome = Result<(), Failure>;
   bodyschema learn sessions/max-1 --learner hersch           # learn again from a session's touches
   bodyschema learn --creature robot.json --log touches.csv   # learn from a recording of a real body
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --out calibrated
-  bodyschema render sessions/max-1 --touch 3 --out touch.png # what a touch looks like
-  bodyschema reach sessions/max-1                            # where its hands can get to
+  bodyschema render sessions/max-1 --touch 3 --out touch.png # a picture of a touch
+  bodyschema reach sessions/max-1                            # the workspace of its hands
   bodyschema export sessions/max-1 --out max.urdf            # the learned body for other programs
   bodyschema study learners --trials 5                       # compare learners; takes minutes"
 )]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// No progress and no messages, but errors
+    /// Print errors only, no progress or other messages
     #[arg(short, long, global = true)]
     quiet: bool,
 }
 
-/// The commands, each with its arguments, over which stands what it is for, and what carries it out.
+/// The commands, each with its documentation, its arguments and the function that runs it.
 macro_rules! commands {
     ($($(#[$about:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
         #[derive(Subcommand)]
@@ -120,17 +120,17 @@ commands! {
     Rehearse(open::RehearseArgs) => open::run,
 }
 
-/// Whether a command line, the program's own name first, is right usage; nothing is carried out.
+/// Checks the usage of a command line that begins with the program's name, without running it.
 ///
 /// # Errors
-/// What is wrong with it, as a person would be told; the help counts as wrong.
+/// The usage error as printed for a person; a request for help is one too.
 pub fn check_usage<S: Into<std::ffi::OsString> + Clone>(
     line: impl IntoIterator<Item = S>,
 ) -> Result<(), String> {
     Cli::try_parse_from(line).map(drop).map_err(|error| error.to_string())
 }
 
-/// Commands of the version before, and those that do their work now.
+/// Commands of the previous version, and those that replace them.
 const RENAMED: [(&str, &str); 8] = [
     ("evaluate", "report"),
     ("observe", "report"),
@@ -142,7 +142,7 @@ const RENAMED: [(&str, &str); 8] = [
     ("merge", "study merge"),
 ];
 
-/// What may be given beside `babble --resume`, and itself.
+/// Options allowed with `babble --resume`, and itself.
 const BESIDE_RESUME: [&str; 6] = ["resume", "jobs", "json", "live", "open", "quiet"];
 
 /// The program. `babble --resume` takes all other options from the session.
@@ -183,7 +183,7 @@ fn carry_out() -> Outcome {
         match RENAMED.iter().find(|(old, _)| word.as_deref() == Some(old)) {
             Some((old, new)) => {
                 let sentence =
-                    format!("`bodyschema {old}` is `bodyschema {new}` now: see `bodyschema {new} --help`");
+                    format!("`bodyschema {old}` is now `bodyschema {new}`; see `bodyschema {new} --help`");
                 program.error(ErrorKind::InvalidSubcommand, sentence).exit()
             }
             None => error.exit(),

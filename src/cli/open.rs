@@ -30,7 +30,8 @@ pub fn is_there(model: &Path, command: &str) -> Outcome {
         return Ok(());
     }
     Err(Failure(format!(
-        "{MAX}: there is no such file here: name a model, as in `bodyschema {command} MODEL`, or go to the folder that holds mjcf"
+        "{MAX}: no such file here: give a model, as in `bodyschema {command} MODEL`, or change to the folder that \
+         contains mjcf"
     )))
 }
 
@@ -38,7 +39,7 @@ pub fn is_there(model: &Path, command: &str) -> Outcome {
 #[derive(clap::Args, Clone, Debug, Default, Serialize, Deserialize)]
 #[command(next_help_heading = "Reading the model")]
 pub struct ModelArguments {
-    /// The body at which the creature begins [default: the first of the tree with most joints]
+    /// The creature's root body [default: the first body of the tree with the most joints]
     #[arg(long, value_name = "BODY")]
     pub root: Option<String>,
 }
@@ -99,7 +100,7 @@ pub fn rehearse(path: &Path) -> Outcome {
             return Err(Failure(refused.to_string()));
         }
         return Err(Failure(format!(
-            "{}: {reason}; look for huge numbers, sizes and meshes in it, or remove parts of it",
+            "{}: {reason}; look for huge numbers, sizes and meshes in it, or remove parts",
             path.display()
         )));
     }
@@ -115,7 +116,7 @@ fn reason(status: ExitStatus) -> Option<String> {
     match status.signal()? {
         SIGXCPU | SIGKILL => {
             let seconds = at_most(Resource::RLIMIT_CPU, TIME).unwrap_or(TIME);
-            Some(format!("MuJoCo did not come to an end with it in {seconds} s"))
+            Some(format!("MuJoCo did not finish loading it within {seconds} s"))
         }
         signal => Some(format!("MuJoCo crashes on it (signal {signal})")),
     }

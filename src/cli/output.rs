@@ -26,7 +26,7 @@ fn print(text: std::fmt::Arguments) {
     if error.kind() == ErrorKind::BrokenPipe {
         std::process::exit(0);
     }
-    eprintln!("bodyschema: cannot write to standard output: {error}: send it elsewhere");
+    eprintln!("bodyschema: cannot write to standard output: {error}: redirect it elsewhere");
     std::process::exit(1);
 }
 

@@ -1,4 +1,4 @@
-//! `bodyschema reach`: where a creature's hands can get to, by the schema of a session.
+//! `bodyschema reach`: the reachable workspace of each hand, from a session's schema.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,12 +15,12 @@ use crate::session::{SpaceRecord, hands, learned_body, write_whole};
 use crate::view::space;
 use crate::view::table::Table;
 
-/// Tell where a creature's hands can get to, by the schema of a session.
+/// Compute the reachable workspace of each hand from a session's schema.
 ///
-/// A map of voxels in the frame of the chest at ease: near is what the tip of a hand reaches by the arm alone, far what
-/// it reaches when the trunk leans. Joints' ranges alone count; whether limbs are in each other's way is not regarded.
-/// Three slices of it are kept in the session, for `bodyschema report`.
-/// Where a hand is not placed by what was touched, that is told: its map is a guess then.
+/// The map consists of voxels in the frame of the chest in the rest posture: near is what the tip of a hand reaches
+/// with the arm alone, far what it reaches when the trunk leans. Only joint ranges are considered, not collisions
+/// between limbs. Three slices are stored in the session for `bodyschema report`. The map of a hand that is not located
+/// is a guess, and reported as such.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema reach sessions/max-1
@@ -30,20 +30,20 @@ use crate::view::table::Table;
 pub struct ReachArguments {
     /// The session's folder
     session: PathBuf,
-    /// A limb that reaches; may be given several times [default: the limbs whose names end in hand]
+    /// The limb that reaches; repeatable [default: the limbs whose names end in hand]
     #[arg(long, value_name = "LIMB")]
     hand: Vec<String>,
-    /// The side of a voxel, metres [default: about a 50th of the longest reach, 2 cm for Max]
+    /// Side of a voxel, metres [default: about 1/50 of the longest reach, 2 cm for Max]
     #[arg(long, value_name = "METRES")]
     voxel: Option<f64>,
-    /// Write the maps to a file that ParaView opens
+    /// Write the maps to a VTK file, for ParaView
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     vtk: Option<PathBuf>,
     /// Write a picture of three slices
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     picture: Option<PathBuf>,
-    /// A point in the chest's frame, metres: tell how far away it is, and a posture that reaches for it. Alone it is answered
-    /// without the map
+    /// A point in the chest's frame, metres: print its distance and a posture that reaches for it. Without --voxel,
+    /// --vtk and --picture no map is stored
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     at: Option<Vector3<f64>>,
     /// Print one JSON object
@@ -55,7 +55,10 @@ fn point(text: &str) -> Result<Vector3<f64>, String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
     match numbers.as_deref() {
         Ok(&[x, y, z]) if [x, y, z].iter().all(|number| number.is_finite()) => Ok(Vector3::new(x, y, z)),
-        _ => Err("a point is three numbers of metres with commas between, as in 0.3,0.2,0.1".to_string()),
+        _ => {
+            Err("give a point as three numbers in metres, separated by commas, such as 0.3,0.2,0.1"
+                .to_string())
+        }
     }
 }
 
@@ -73,7 +76,7 @@ pub fn run(args: &ReachArguments) -> Outcome {
     let bar = progress::steps(tips.len() as u64);
     let mut maps = Vec::with_capacity(tips.len());
     for tip in tips {
-        bar.set_message(format!("where the {} gets to", in_words(&limbs[tip.limb])));
+        bar.set_message(format!("workspace of the {}", in_words(&limbs[tip.limb])));
         let map = ReachableMap::of_place(&own, tip.limb, tip, chest, voxel);
         maps.push(map.map_err(|error| Failure(format!("{}: {error}", args.session.display())))?);
         bar.inc(1);
@@ -82,7 +85,7 @@ pub fn run(args: &ReachArguments) -> Outcome {
     let seconds = began.elapsed().as_secs_f64();
     let doubt = |&hand: &usize| {
         let why = own.unplaced(hand)?;
-        Some(format!("{}: where it gets to is a guess, for it is not placed ({why})", limbs[hand]))
+        Some(format!("{}: its workspace is a guess, because it is not located ({why})", limbs[hand]))
     };
     let doubts: Vec<String> = hands.iter().filter_map(doubt).collect();
     let at = args.at.map(|at| answer(&own, &maps, &at));
@@ -106,7 +109,7 @@ pub fn run(args: &ReachArguments) -> Outcome {
     if at_alone {
         say!("{session}: in the frame of {chest}");
     } else {
-        say!("{session}: voxels of {voxel} m in the frame of {chest}, worked out in {seconds:.2} s");
+        say!("{session}: voxels of {voxel} m in the frame of {chest}, computed in {seconds:.2} s");
         let columns = [("hand", "hand"), ("near, l", "near_l"), ("far, l", "far_l")];
         output::table(&Table::of_json(&found["hands"], &columns));
     }
@@ -117,10 +120,10 @@ pub fn run(args: &ReachArguments) -> Outcome {
             ["beyond", "miss"].map(|field| output::number(1e3 * hand[field].as_f64().unwrap_or(f64::NAN)));
         match (hand["hand"].as_str().unwrap_or_default(), hand["level"].as_str().unwrap_or_default()) {
             (name, _) if hand["beyond"] != 0.0 => say!("  {name}: out of reach by {beyond} mm"),
-            (name, level) => say!("  {name}: {level}, reached to {miss} mm"),
+            (name, level) => say!("  {name}: {level}, reached within {miss} mm"),
         }
     }
-    let columns = [("from the limbs at ease", "limb"), ("m", "distance")];
+    let columns = [("distance from the limbs in the rest posture", "limb"), ("m", "distance")];
     output::table(&Table::of_json(&at["limbs"], &columns));
     Ok(())
 }
@@ -136,7 +139,7 @@ fn write(args: &ReachArguments, own: &OwnBody, maps: &[ReachableMap], doubts: Ve
     }
     if let Some(path) = &args.picture {
         let (name, hands) = (own.creature().name(), record.hands.join(" and "));
-        let says = format!("{name}: where {hands} can get to, in the frame of {}", record.chest);
+        let says = format!("{name}: workspace of {hands}, in the frame of {}", record.chest);
         output::file(path, space::chart(&record, &says).alone())?;
     }
     Ok(())
@@ -148,7 +151,7 @@ fn volumes(own: &OwnBody, map: &ReachableMap) -> Value {
     json!({ "hand": map.name(own), "tip": map.tip.point.as_slice(), "near_l": near, "far_l": far })
 }
 
-/// How far a point in the maps' frame is from every hand and from every limb that has a surface, with the body at ease,
+/// How far a point in the maps' frame is from every hand and from every limb that has a surface, with the body in the rest posture,
 /// nearest first; metres.
 fn answer(own: &OwnBody, maps: &[ReachableMap], at: &Vector3<f64>) -> Value {
     let creature = own.creature();

@@ -16,10 +16,10 @@ use crate::view::picture::{Direction, Drawing, Film, Shot, is_film, png};
 
 /// Draw a model in a posture, or a session, as a picture or a film.
 ///
-/// MuJoCo's renderer draws it, without a screen, by EGL or OSMesa. A picture shows a model or a session in the rest posture or
-/// in that of --posture; of a session with --touch a touch, its two receptors lit; with --schema the learned body over the
-/// true one, which becomes a shade. A film goes from touch to touch, or with --learning through the schema's checkpoints, from
-/// the initial guess on. Films need ffmpeg.
+/// MuJoCo's renderer draws offscreen, with EGL or OSMesa. A picture shows a model or a session in the rest posture or
+/// the one given by --posture; for a session, --touch shows a touch with its two receptors lit, and --schema the
+/// learned body over a faint true one. A film moves from touch to touch or, with --learning, through the schema's
+/// checkpoints from the initial guess on. Films need ffmpeg.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema render mjcf/max/max.xml --out max.png
@@ -29,41 +29,42 @@ use crate::view::picture::{Direction, Drawing, Film, Shot, is_film, png};
   bodyschema render sessions/max-1 --learning --size 320x320 --out learning.mp4
   bodyschema render sessions/max-1 --touches 2..2 --frames-per-second 4 --size 320x320 --out frame-%03d.png
 
-Without OpenGL it says so. The environment variable BODYSCHEMA_GL says which library draws: egl, osmesa, or none;
-without it EGL is tried, then OSMesa.")]
+The environment variable BODYSCHEMA_GL selects the OpenGL library: egl, osmesa or none. If it is unset, EGL is tried first,
+then OSMesa.")]
 pub struct RenderArguments {
     /// An MJCF file, or a session's folder
     #[arg(value_name = "MODEL|SESSION")]
     what: PathBuf,
-    /// The file to write: a picture (.png), or a film (.mp4, .webm, .mkv, .mov, .gif, or a picture a frame, as in
+    /// The file to write: a picture (.png), or a film (.mp4, .webm, .mkv, .mov, .gif, or one picture per frame, such as
     /// frame-%04d.png)
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: PathBuf,
-    /// The posture: names of degrees of freedom with degrees or millimetres, of a ball with its quaternion, as in
+    /// The posture: degrees of freedom in degrees or millimetres, balls as quaternions, such as
     /// left_elbow_flexion=90,neck=0.7:0.7:0:0; joints that are not named rest
     #[arg(long, value_name = "NAME=DEG,…", allow_hyphen_values = true, help_heading = "What is drawn")]
     posture: Option<String>,
-    /// Of a session, a touch, counted from 1, its receptors lit
+    /// For a session: the touch to show, counted from 1, with its receptors lit
     #[arg(long, value_name = "N", conflicts_with = "posture", help_heading = "What is drawn")]
     touch: Option<usize>,
-    /// Of a session, the learned body over the true one
+    /// For a session: show the learned body over the true one
     #[arg(long, help_heading = "What is drawn")]
     schema: bool,
-    /// Of a session, a film of the touches from one to another, counted from 1 [default: 1..8]
+    /// For a session: film these touches, counted from 1 [default: 1..8]
     #[arg(long, value_name = "N..M", value_parser = session::touch_range,
         conflicts_with_all = ["posture", "touch", "learning"], help_heading = "What is drawn")]
     touches: Option<[usize; 2]>,
-    /// Of a session, a film of the learned body from the initial guess on
+    /// For a session: film the learned body from the initial guess on
     #[arg(long, conflicts_with_all = ["posture", "touch"], help_heading = "What is drawn")]
     learning: bool,
-    /// Of a session, the model, where it is not at the path in the session
+    /// For a session: the model, if it is not at the path recorded in the session
     #[arg(long)]
     model: Option<PathBuf>,
     /// Width and height, pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x960", help_heading = "Output")]
     size: [usize; 2],
-    /// The point of view: azimuth and elevation in degrees, as in MuJoCo's viewer, with a distance in metres if it is not to
-    /// fill the picture; or the name of a camera in the model [default: 205,-12; 245,-20 for what lies along x]
+    /// The point of view: azimuth and elevation in degrees, as in MuJoCo's viewer, and optionally a distance in metres
+    /// (otherwise the body fills the picture); or the name of a camera in the model [default: 205,-12; 245,-20 for
+    /// bodies that lie along x]
     #[arg(
         long,
         value_name = "AZIMUTH,ELEVATION[,METRES]|NAME",
@@ -71,7 +72,7 @@ pub struct RenderArguments {
         help_heading = "What is drawn"
     )]
     camera: Option<String>,
-    /// Pictures a second of a film
+    /// Frames per second of a film
     #[arg(long, value_name = "N", value_parser = frames_per_second, default_value = "25", help_heading = "Output")]
     frames_per_second: f64,
     #[command(flatten)]
@@ -98,15 +99,15 @@ pub fn run(args: &RenderArguments) -> Outcome {
     let out = args.out.display();
     if !film && !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
         return Err(Failure(format!(
-            "{out}: unsupported format: end it in .png for a picture, in .mp4, .webm, .mov, .mkv or .gif for a film"
+            "{out}: unsupported format; use .png for a picture, .mp4, .webm, .mov, .mkv or .gif for a film"
         )));
     }
     let pictures = [("--touch", args.touch.is_some()), ("--posture", args.posture.is_some())];
     let films = [("--touches", args.touches.is_some()), ("--learning", args.learning)];
     let (others, what, fix) = if film {
-        (pictures, "picture", "end the file's name in .png")
+        (pictures, "picture", "use a name that ends in .png")
     } else {
-        (films, "film", "end the file's name in .mp4, or give one such as frame-%04d.png")
+        (films, "film", "use a name that ends in .mp4, or one such as frame-%04d.png")
     };
     if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
         return Err(Failure(format!("{out}: {option} makes a {what}: {fix}")));
@@ -161,12 +162,12 @@ fn model(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     ];
     if let Some((_, option)) = of_session.iter().find(|(given, _)| *given) {
         return Err(Failure(format!(
-            "{place} is no session, and {option} is of a session: give the folder of one, as `bodyschema babble` writes it"
+            "{place} is not a session, and {option} needs one: give a folder written by `bodyschema babble`"
         )));
     }
     if args.what.is_dir() {
         return Err(Failure(format!(
-            "{place}: there is no {SESSION_FILE} in it: give an MJCF file or a session's folder"
+            "{place}: it contains no {SESSION_FILE}: give an MJCF file or a session folder"
         )));
     }
     model_drawing(&args.options.source(&args.what, JointSelection::All), args.posture.as_deref())
@@ -207,7 +208,7 @@ fn camera(args: &RenderArguments, drawing: &Drawing, renderer: &Renderer) -> Res
             Ok(drawing.camera(renderer, Some(Direction { azimuth, elevation }), rest.first().copied())?)
         }
         Some(_) => Err(Failure(format!(
-            "--camera {text}: give azimuth, elevation from -90 to 90 and, if wanted, a distance above 0, as in 205,-12,3"
+            "--camera {text}: give azimuth, elevation from -90 to 90 and optionally a distance above 0, such as 205,-12,3"
         ))),
         None => {
             let cameras = drawing.model.cameras();
@@ -216,7 +217,8 @@ fn camera(args: &RenderArguments, drawing: &Drawing, renderer: &Renderer) -> Res
                 let named: Vec<&str> = cameras.into_iter().filter(|camera| !camera.is_empty()).collect();
                 let there = if named.is_empty() { "none with a name".into() } else { named.join(", ") };
                 Failure(format!(
-                    "{}: it has no camera named {text}, it has {there}: give one of these, or azimuth and elevation as in 205,-12",
+                    "{}: it has no camera named {text}; it has {there}: give one of these, or azimuth and \
+                     elevation, such as 205,-12",
                     args.what.display()
                 ))
             })

@@ -16,13 +16,13 @@ use crate::session::{LearningRecord, SCHEMA_FILE, Session, read_schema};
 use crate::view::report::{REPORT_FILE, error_rows, limb_table, summaries, write_report};
 use crate::view::text;
 
-/// Report what a session learned, how accurate it is, and what stays unobservable; write its page anew.
+/// Report what a session learned, how accurate it is, and what stays unobservable; rewrite its page.
 ///
-/// Printed are the verdict; the errors against the model where it is at hand: where the skin of every limb lands relative to
-/// every other limb at random postures, the angles between learned and true axes and the distances between their lines; the
-/// contact residual of the touches; and how well every limb is located. No truth is needed for the last two. --json adds every
-/// joint's standard deviations and the observability indices of the calibration literature. The page, one file that opens in
-/// any browser without a network, adds pictures. `babble` and `learn` write it, too.
+/// Prints the verdict; if the model is available, the errors relative to it (surface positions of each limb relative to
+/// every other limb at random postures, angles between learned and true axes, and distances between their lines); the
+/// contact residual; and how well each limb is located. The last two need no ground truth. --json adds every joint's
+/// standard deviations and the observability indices used in the calibration literature. The page is a single file that
+/// opens offline in any browser and adds pictures. `babble` and `learn` write it, too.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema report sessions/max-1
@@ -30,7 +30,7 @@ use crate::view::text;
 pub struct ReportArguments {
     /// The session's folder
     session: PathBuf,
-    /// The model to measure against, where it is not at the path in the session
+    /// The model to compare with, if it is not at the path recorded in the session
     #[arg(long)]
     model: Option<PathBuf>,
     /// Print one JSON object
@@ -142,7 +142,7 @@ impl Found<'_> {
         output::table(&summaries(errors.into_iter().chain([residual])));
         self.evaluation.iter().filter_map(|e| e.bound_mm.as_ref()).for_each(print_bound);
         if let Some(account) = self.record.reliable_account() {
-            say!("\nhow far off a limb's skin may be in the frames of the other located limbs, 95 %:");
+            say!("\nsurface error of each limb in the frames of the other located limbs (95 % bounds):");
             output::table(&limb_table(account, creature));
             self.record.floor_note().iter().for_each(|note| say!("{note}"));
         }

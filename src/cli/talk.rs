@@ -24,22 +24,22 @@ const MOST_ASKED: usize = 16;
 /// The most that a limb grows at once, millimetres.
 const LONGEST_GROWTH: f64 = 300.0;
 
-/// Talk to a creature among things: it answers what a partner asks of it, line by line
+/// Talk to a creature among things: it answers what a partner asks, line by line
 ///
-/// It is blindfolded: all that it knows of its body is the schema of a session, and all that it knows of the scene it
-/// has felt. Ask it in plain English, from a terminal or through a pipe, to
+/// It is blindfolded: all it knows of its body is the schema of a session, and all it knows of the scene is what it has
+/// felt. From a terminal or through a pipe, ask it in plain English to
 ///
-///   feel about for things, touch them, feel their shape, pick them up, put them far away or near, let go;
+///   feel around for things, touch them, feel their shape, pick them up, put them far away or near, let go;
 ///   touch its own nose, left elbow or right knee; lean forward and try again, lean back, rest, get out of the way;
-///   tell where a thing or a part of its body is, how far, how many, how big, near or far, what it feels, what it did.
+///   say where a thing or a part of its body is, how far, how many, how big, near or far, what it feels, what it did.
 ///
-/// It moves for a command or a polite request alone; a question it answers, "don't" it remembers, and where it is not sure
-/// it asks. "Goodbye", Ctrl-D or the end of the input ends the talk; an empty line does nothing. What a hand touches it can
-/// hold: it is welded to the hand until it is put down. With --live there is a page beside that shows it all as fast as it
-/// would really move, on which you can also touch its skin.
+/// It moves only when commanded or politely asked to; it answers questions, remembers a "don't", and asks if it is unsure.
+/// "Goodbye", Ctrl-D or the end of the input ends the conversation; empty lines are ignored. A hand can hold whatever it
+/// touches: the thing is welded to the hand until it is put down. With --live, a page shows everything in real time, and
+/// you can touch the creature's skin there.
 ///
-/// A line "/grow LIMB MILLIMETRES" is no word to it but happens: from then on the joint that moves the limb is so much farther
-/// out on the limb that carries it. It is not told, and notices when it touches itself.
+/// The line "/grow LIMB MILLIMETRES" is not said to it but changes its body: the joint that moves the limb shifts outwards
+/// by this much on its parent limb. The creature is not informed, and notices at the next self-touch.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 #[command(after_help = "Examples:
@@ -48,14 +48,14 @@ const LONGEST_GROWTH: f64 = 300.0;
   echo 'is there something in front of you?' | bodyschema talk mjcf/max/table.xml sessions/max-1 --json
   bodyschema talk mjcf/max/table.xml sessions/max-1 --live  # talk to it in a browser")]
 pub struct TalkArguments {
-    /// The MJCF file of the scene: the creature that learned the schema, a table before it, things on the table
+    /// The MJCF file of the scene: the creature that learned the schema, at a table with things on it
     scene: PathBuf,
-    /// The session whose schema it acts by
+    /// The session whose schema it uses
     session: PathBuf,
-    /// A limb that it acts with; given twice, for there are two
+    /// A limb that it acts with; give two
     #[arg(long, value_name = "LIMB", default_values = ["left_hand", "right_hand"])]
     hand: Vec<String>,
-    /// Seed of the ways that it tries
+    /// Seed of the motions that it tries
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print one JSON object per answer: heard, intent, said, done, asks, felt
@@ -68,7 +68,7 @@ pub struct TalkArguments {
 pub fn run(args: &TalkArguments) -> Outcome {
     let [first, second] = args.hand.as_slice() else {
         return Err(Failure(format!(
-            "--hand names {} of the limbs: name two, as in --hand left_hand --hand right_hand",
+            "--hand gives {} limbs: give two, as in --hand left_hand --hand right_hand",
             args.hand.len()
         )));
     };
@@ -113,7 +113,9 @@ impl Talk<'_> {
         let terminal = typed.in_terminal();
         if terminal {
             let name = self.name;
-            tell!("{name} listens. Say goodbye, or end it with Ctrl-D; \"help\" tells what can be said.");
+            tell!(
+                "{name} is listening. Say \"help\" to see what you can ask; \"goodbye\" or Ctrl-D ends the conversation."
+            );
         }
         while !self.conversation.is_over()
             && let Some(request) = typed.line()?
@@ -146,7 +148,7 @@ impl Talk<'_> {
                 shown = Instant::now();
             }
         }));
-        // None where standard input has ended.
+        // `None` if standard input has ended.
         let (hear, heard) = mpsc::sync_channel::<Option<Asked>>(0);
         let typed = hear.clone();
         std::thread::spawn(move || {
@@ -164,7 +166,7 @@ impl Talk<'_> {
             }
         });
         std::thread::spawn(move || asked.iter().try_for_each(|asked| hear.send(Some(asked))));
-        tell!("{} listens, on the page and here", self.name);
+        tell!("{} is listening, on the page and here", self.name);
         while !self.conversation.is_over()
             && let Ok(Some(asked)) = heard.recv()
         {
@@ -228,19 +230,19 @@ pub fn happens(stage: &Stage, direction: &str) -> Result<String, Failure> {
     let words: Vec<&str> = direction.split_whitespace().collect();
     let ["grow", name, length] = words.as_slice() else {
         return Err(Failure(format!(
-            "/{direction}: nothing is known that happens by this: write /grow LIMB MILLIMETRES, as in /grow left_hand 30"
+            "/{direction}: unknown command: write /grow LIMB MILLIMETRES, such as /grow left_hand 30"
         )));
     };
     let creature = &stage.body().creature;
     let limb = creature.limb(name).filter(|limb| *limb > 0).ok_or_else(|| {
         let limbs = creature.limbs()[1..].join(", ");
-        Failure(format!("/{direction}: there is no limb {name} that a joint moves: choose one of {limbs}"))
+        Failure(format!("/{direction}: no joint moves a limb {name}: choose one of {limbs}"))
     })?;
     let millimetres = length.parse::<f64>().ok().filter(|x| x.abs() <= LONGEST_GROWTH).ok_or_else(|| {
         Failure(format!(
-            "/{direction}: {length} is no number of millimetres from -{LONGEST_GROWTH} to {LONGEST_GROWTH}"
+            "/{direction}: {length} is not a number of millimetres between -{LONGEST_GROWTH} and {LONGEST_GROWTH}"
         ))
     })?;
     stage.grow_limb(limb, 1e-3 * millimetres)?;
-    Ok(format!("the joint of {name} is now {millimetres} mm farther out"))
+    Ok(format!("the joint of {name} has moved outwards by {millimetres} mm"))
 }

@@ -57,7 +57,7 @@ impl Typed {
                     match editor.readline(prompt) {
                         // The editor gives such a line up as a whole.
                         Err(ReadlineError::Io(error)) if error.kind() == ErrorKind::InvalidData => {
-                            tell!("that line had a character that is no UTF-8: type it again");
+                            tell!("that line was not valid UTF-8: type it again");
                         }
                         read => break read,
                     }

@@ -19,12 +19,13 @@ const SESSIONS: &str = "sessions";
 /// Most of those that are listed, the newest first.
 const MOST: usize = 20;
 
-/// Look at sessions and models in a browser: touch by touch, in any posture, one beside another.
+/// Explore sessions and models in a browser: touch by touch, in any posture, side by side.
 ///
-/// A page on this machine shows a session's body as it was learned, over the true one in grey where the model is at hand. A
-/// slider goes through its touches, whose receptors light up; others put its joints into any posture; a click on a limb tells how
-/// sure it is, and where it gets to. Of two sessions the second stands beside the first; of more, the page chooses. Without any, the newest in the folder
-/// sessions. The page stays until Enter or Ctrl-C; started without a terminal, as by a script or a service, until its process is ended.
+/// A page served on this machine shows a session's learned body, over the true one in grey if the model is available. A
+/// slider steps through the touches and lights up their receptors; others set the joints to any posture; a click on a
+/// limb shows how well it is located and where it can reach. Two sessions are shown side by side; with more, the page
+/// lets you choose. Without arguments, the newest session in the folder sessions is shown. The page is served until
+/// Enter or Ctrl-C or, without a terminal (in a script or a service), until the process ends.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema view
@@ -32,16 +33,16 @@ const MOST: usize = 20;
   bodyschema view sessions/max-1 mjcf/max/max.xml --no-open
   bodyschema view mjcf/hexapod/hexapod.xml")]
 pub struct ViewArguments {
-    /// Sessions' folders, and MJCF or URDF files
+    /// Session folders, and MJCF or URDF files
     #[arg(value_name = "MODEL|SESSION")]
     what: Vec<PathBuf>,
-    /// Of sessions, the model, where it is not at the path in them
+    /// For sessions: the model, if it is not at the path recorded in them
     #[arg(long)]
     model: Option<PathBuf>,
-    /// Where the page is served: for this machine alone unless another address is given [default: 127.0.0.1:8042, or a free port]
+    /// Address of the page: this machine only unless another is given [default: 127.0.0.1:8042, or a free port]
     #[arg(long, value_name = "ADDRESS", value_parser = live::address, help_heading = "Output")]
     live: Option<SocketAddr>,
-    /// Open no browser: the address is told. None is opened either where the input is no terminal
+    /// Print the address without opening a browser; without a terminal none is opened either
     #[arg(long, help_heading = "Output")]
     no_open: bool,
     #[command(flatten)]
@@ -72,7 +73,8 @@ fn newest() -> Result<Vec<PathBuf>, Failure> {
     sessions.truncate(MOST);
     if sessions.is_empty() {
         return Err(Failure(format!(
-            "{SESSIONS}: there is no learned session in it: make one with `bodyschema babble {MAX}`, or name a session or a model"
+            "{SESSIONS}: it contains no learned session: make one with `bodyschema babble {MAX}`, or give a \
+             session or a model"
         )));
     }
     // One of many is looked at, unless another is chosen.

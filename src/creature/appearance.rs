@@ -1,4 +1,4 @@
-//! What a body looks like: what pictures are drawn of. Nothing is learned from it.
+//! The appearance of a body, for pictures only. Nothing is learned from it.
 
 use nalgebra::Vector3;
 

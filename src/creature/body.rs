@@ -1,4 +1,4 @@
-//! A creature in its model: what of the engine's is what of the creature.
+//! A creature in its model: the mapping between the engine's elements and the creature's.
 
 use std::sync::Arc;
 
@@ -111,7 +111,7 @@ impl Body {
         self.addresses.iter().map(|&(address, zero)| qpos[address] - zero).collect()
     }
 
-    /// The name of the first body of the creature; none where it has none.
+    /// The name of the first body of the creature; `None` if it has none.
     pub fn root_name(&self) -> Option<&str> {
         let first = || self.limb_of_body.iter().position(|limb| limb.is_some_and(|limb| limb > 0));
         let root = if self.root > 0 { Some(self.root) } else { first() };

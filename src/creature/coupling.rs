@@ -67,7 +67,7 @@ pub(super) fn couple(
             if let Some(start) = way.iter().position(|&passed| passed == on) {
                 let joints: Vec<String> = way[start..].iter().map(|&joint| name(joint)).collect();
                 return Err(Error::model(format!(
-                    "joints {} follow each other in a circle: remove one of their <joint> entries in <equality>",
+                    "joints {} follow each other in a loop: remove one of their <joint> entries in <equality>",
                     joints.join(", ")
                 )));
             }
@@ -84,8 +84,8 @@ pub(super) fn couple(
         if degree >= own.len() {
             let (joint, leader) = (name(joint), name(moving));
             return Err(Error::model(format!(
-                "joint {joint} follows {leader} through others by a polynomial of degree {degree}, and 4 is the most: let \
-                 it follow {leader} itself"
+                "joint {joint} follows {leader} through others by a polynomial of degree {degree}, but 4 is the \
+                 maximum: let it follow {leader} directly"
             )));
         }
         let mut coupling = Coupling { leader: leading, polynomial: own };

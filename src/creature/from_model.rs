@@ -214,7 +214,7 @@ pub(crate) fn span(kind: JointKind) -> f64 {
     if kind == JointKind::Slide { UNLIMITED_SLIDE } else { std::f64::consts::PI }
 }
 
-/// Least and greatest coordinate of a hinge or slide as its file counts; none where it has no limits.
+/// Least and greatest coordinate of a hinge or slide as its file counts; `None` if it has no limits.
 pub(crate) fn limits(joint: &ModelJoint) -> Option<[f64; 2]> {
     joint.limited.then_some(joint.range).and_then(|range| bounded(range, span(joint.kind)))
 }

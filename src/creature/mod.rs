@@ -60,7 +60,7 @@ pub struct Dof {
     pub kind: DofKind,
     /// Least and greatest coordinate, in radians or metres; for a ball, 0 and the largest angle.
     pub range: [f64; 2],
-    /// What it follows, if it does not move by itself.
+    /// What it follows, if it does not move independently.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<Coupling>,
 }
@@ -174,7 +174,7 @@ impl Creature {
     /// # Errors
     /// When there is not one joint per limb but the root, when a joint's parent does not come
     /// before it, when a range is not two finite numbers in order or goes farther than anything does, when what a degree of freedom follows does
-    /// not move by itself, or when an aura names a limb that does not exist.
+    /// not move independently, or when an aura names a limb that does not exist.
     pub fn new(
         name: String,
         limbs: Vec<String>,
@@ -184,7 +184,7 @@ impl Creature {
         let fault = |sentence: String| Err(Error::model(sentence));
         if limbs.len() != joints.len() + 1 {
             let [limbs, joints] = [limbs.len(), joints.len()];
-            return fault(format!("a creature of {limbs} limbs needs one joint fewer, not {joints}"));
+            return fault(format!("a creature with {limbs} limbs needs one joint fewer, not {joints}"));
         }
         let (mut elements, mut coordinates) = (0, 0);
         for (i, joint) in joints.iter_mut().enumerate() {
@@ -199,14 +199,13 @@ impl Creature {
                 }
                 if !dof.range.iter().all(|&end| plausible::is_angle(end) && plausible::is_length(end)) {
                     return fault(format!(
-                        "the range of {name} goes beyond 10,000: give radians of a hinge, metres of a slide, or no range of \
-                         what turns for ever"
+                        "the range of {name} goes beyond 10,000: give radians for a hinge, metres for a slide, or \
+                         no range if unlimited"
                     ));
                 }
                 if dof.kind == DofKind::Ball && !(low >= 0.0 && high <= TAU) {
                     return fault(format!(
-                        "the range of {name}, a ball, is not 0 and an angle: give 0 and the greatest angle, radians, π at \
-                         the most"
+                        "the range of the ball {name} is not 0 and an angle: give 0 and the largest angle, radians, at most π"
                     ));
                 }
                 let coefficients = dof.follows.iter().flat_map(|coupling| coupling.polynomial);
@@ -225,7 +224,7 @@ impl Creature {
         };
         let mut followers = joints.iter().flat_map(|joint| &joint.dofs);
         if let Some(dof) = followers.find(|dof| dof.follows.is_some_and(|c| !leads(c.leader))) {
-            return fault(format!("{} follows what is no hinge or slide that moves by itself", dof.name));
+            return fault(format!("{} does not follow an independent hinge or slide", dof.name));
         }
         if let Some(aura) = aura_limbs.iter().find(|a| a.limbs.iter().any(|&l| l >= limbs.len())) {
             return fault(format!("aura limb {} names a limb that does not exist", aura.name));

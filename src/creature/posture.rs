@@ -1,4 +1,4 @@
-//! Where every joint of a creature stands.
+//! A posture: the position of every joint of a creature.
 
 use std::ops::{Deref, DerefMut, Range};
 

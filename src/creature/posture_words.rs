@@ -40,11 +40,11 @@ fn set(word: &str, creature: &Creature, posture: &mut Posture) -> Result<(), Str
         let most = creature.dofs().map(|dof| shared(&dof.name)).max().unwrap_or(0);
         let alike = creature.dofs().map(|dof| dof.name.clone()).filter(|name| shared(name) == most);
         let names = listed(&alike.collect::<Vec<_>>());
-        format!("{} has no degree of freedom named {name}; it has {names}", creature.name())
+        format!("{} has no degree of freedom {name}; it has {names}", creature.name())
     })?;
     if let Some(coupling) = element.follows {
         let leader = creature.dofs().nth(coupling.leader).map_or("", |dof| &dof.name);
-        return Err(format!("{name} follows {leader}: set that one"));
+        return Err(format!("{name} follows {leader}: set {leader}"));
     }
     let (unit, per_unit) = match element.kind {
         DofKind::Slide => (" mm", 1e3),
@@ -65,7 +65,7 @@ fn set(word: &str, creature: &Creature, posture: &mut Posture) -> Result<(), Str
             number / per_unit
         }
         (DofKind::Ball, _) => return Err(format!("{name} is a ball: give its quaternion as w:x:y:z")),
-        _ => return Err(format!("{name} is no ball: give one number")),
+        _ => return Err(format!("{name} is not a ball: give one number")),
     };
     let [low, high] = element.range;
     if (low - PLAY..=high + PLAY).contains(&coordinate) {
@@ -73,5 +73,5 @@ fn set(word: &str, creature: &Creature, posture: &mut Posture) -> Result<(), Str
     }
     let [x, low, high] =
         [coordinate, low, high].map(|x| format!("{}{unit}", (x * per_unit * 100.0).round() / 100.0));
-    Err(format!("{x} is beyond its range of {low} to {high}: give a number within"))
+    Err(format!("{x} is outside its range of {low} to {high}"))
 }

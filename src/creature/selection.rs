@@ -131,7 +131,7 @@ fn named(model: &Model, name: &str) -> Result<usize, Error> {
         let roots: Vec<String> =
             creatures(model).into_iter().map(|creature| creature.name).take(12).collect();
         Error::model(format!(
-            "the model has no body named {name}; its creatures begin at {}: give one of these",
+            "the model has no body {name}; its creatures have the roots {}: give one of these",
             roots.join(", ")
         ))
     })

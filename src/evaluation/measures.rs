@@ -144,15 +144,15 @@ pub struct CramerRaoBound {
     pub ratio: f64,
     /// Points that both are taken over: those of limbs that are claimed to be placed against one another.
     pub points: usize,
-    /// Whether the touches are explained to the numerical floor: they show no more noise than the least that the
-    /// learner assumes, the bound is one of that, and the error may be less.
+    /// Whether the touches fit to numerical precision: they show no more noise than the least that the learner assumes,
+    /// the bound is one of that, and the error may be less.
     #[serde(default)]
     pub at_floor: bool,
 }
 
 impl CramerRaoBound {
     /// Puts errors beside their bounds: `errors` are those at `points`, of which those count whose limbs the account
-    /// claims. None where it claims none.
+    /// claims. `None` if it claims none.
     pub fn new(
         creature: &Creature,
         schema: &BodySchema,

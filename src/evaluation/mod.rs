@@ -1,4 +1,4 @@
-//! How well a schema was learned, measured against the truth.
+//! The error of a learned schema, compared with the truth.
 //!
 //! Positions and axes are never compared one by one where the touches cannot tell: a joint may slide along
 //! its axis into the next one without any chain feeling it. What is compared is where the skin of every
@@ -35,10 +35,10 @@ pub struct Evaluation {
     pub heldout_mm: Summary,
     /// The same over limbs that are claimed to be placed against one another, millimetres.
     pub determined_mm: Summary,
-    /// The same beside its Cramér-Rao bound; none where what the touches determine is not known.
+    /// The same beside its Cramér-Rao bound; `None` if what the touches determine is not known.
     #[serde(default)]
     pub bound_mm: Option<CramerRaoBound>,
-    /// The same with a hand as one of the two, millimetres; none where the creature has no hands.
+    /// The same with a hand as one of the two, millimetres; `None` if the creature has no hands.
     pub hand_mm: Option<Summary>,
     /// Angle between learned and true axes of determined joints, degrees.
     pub axis_deg: Summary,

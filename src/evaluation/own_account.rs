@@ -17,16 +17,15 @@ pub struct OwnAccount {
     /// Root mean square of how far off skin of one limb is expected in another's frame, millimetres, over limbs
     /// that are claimed to be placed against one another, at the postures of the held-out error. It is the least that noise of
     /// the size that the touches show leaves; what the learner does not know of, such as joints that are not rigid,
-    /// is not in it. None where nothing is determined.
+    /// is not in it. `None` if nothing is determined.
     pub expected_mm: Option<f64>,
-    /// Every fifth touch under a schema fitted anew to the others: how far apart it puts the two points or, of
-    /// receptors, the two surfaces, millimetres; of limbs that are claimed, or of all where none is. None where too few touches
-    /// are left.
+    /// Every fifth touch under a schema fitted anew to the others: how far apart it puts the two points or, of receptors, the
+    /// two surfaces, millimetres; of limbs that are claimed, or of all where none is. `None` if too few touches are left.
     pub fresh_mm: Option<Summary>,
 }
 
 impl OwnAccount {
-    /// The account of what the learner `lm` came to; none where it can give none, as where nothing explains the touches.
+    /// The account of what the learner `lm` came to; `None` if it can give none, as where nothing explains the touches.
     pub fn new(agent: &Agent, touches: &[Touch], learned: &Learned) -> Option<OwnAccount> {
         let (creature, input) = (agent.creature(), learned.basis.input);
         let account = learned.account.as_ref()?;

@@ -1,4 +1,4 @@
-//! The error on the way to what was learned, and its bound.
+//! The error during learning, and its bound.
 
 use super::{CramerRaoBound, HeldOutPoint, held_out, held_out_points};
 use crate::agent::Agent;
@@ -20,7 +20,7 @@ pub struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// For schemas on the way to what was learned.
+    /// For schemas during learning.
     pub fn new(agent: &'a Agent, truth: &'a GroundTruth, learned: &'a Learned) -> Progress<'a> {
         let determined = |point: &HeldOutPoint| {
             let [a, b] = point.limbs;
@@ -34,15 +34,14 @@ impl<'a> Progress<'a> {
         Progress { agent, truth, learned, points }
     }
 
-    /// Root mean square of a schema's held-out errors, millimetres; none where there is no point.
+    /// Root mean square of a schema's held-out errors, millimetres; `None` if there is no point.
     pub fn error_rms(&self, schema: &BodySchema) -> Option<f64> {
         let errors = held_out(self.agent.creature(), self.truth, schema, &self.points);
         let squares: f64 = errors.iter().map(|error| error.millimetres.powi(2)).sum();
         (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt())
     }
 
-    /// The Cramér-Rao bound of the same from touches that determine so much, millimetres; none where they leave
-    /// some of it open.
+    /// The Cramér-Rao bound of the same from touches that determine so much, millimetres; `None` if they leave some of it open.
     pub fn bound_rms(&self, observability: &Observability) -> Option<f64> {
         let (creature, learned) = (self.agent.creature(), self.learned);
         let errors = held_out(creature, self.truth, &learned.schema, &self.points);

@@ -42,7 +42,7 @@ pub fn to_mjcf(agent: &Agent, schema: &BodySchema) -> String {
         ("boundmass", LEAST_MASS.to_string()),
         ("boundinertia", LEAST_INERTIA.to_string()),
     ];
-    let note = " As learned from self-touch: masses are stand-ins, gravity is off. ";
+    let note = " Learned from self-touch. Masses are placeholders, gravity is off. ";
     let head = [
         Element { comments: vec![note.into()], ..element("compiler", &compiler) },
         element("option", &[("gravity", "0 0 0".into())]),

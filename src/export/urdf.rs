@@ -39,7 +39,7 @@ const STRIPES: usize = 32;
 pub struct Urdf {
     /// The description.
     pub xml: String,
-    /// A sphere of radius 1 as binary STL, for the file that `mesh_name` names beside the description; none where
+    /// A sphere of radius 1 as binary STL, for the file that `mesh_name` names beside the description; `None` if
     /// no limb is an ellipsoid.
     pub mesh: Option<Vec<u8>>,
 }
@@ -53,7 +53,7 @@ pub struct Urdf {
 /// only by its receptors becomes a thin box for each. `schema` must fit the creature.
 pub fn to_urdf(agent: &Agent, schema: &BodySchema, mesh_name: &str) -> Urdf {
     let creature = agent.creature();
-    let note = " As learned from self-touch: masses, efforts and velocities are stand-ins. ";
+    let note = " Learned from self-touch. Masses, efforts and velocities are placeholders. ";
     // MuJoCo's own settings, which other readers pass over: keep the root link, and paths as they are.
     let kept = element("compiler", &[("fusestatic", "false".into()), ("discardvisual", "true".into())]);
     let settings = Element { comments: vec![note.into()], ..Element::holding("mujoco", vec![kept]) };

@@ -1,4 +1,4 @@
-//! Poses: where a frame is in another.
+//! Poses of one frame in another.
 
 use std::ops::Mul;
 

@@ -1,4 +1,4 @@
-//! The gap between two placed shapes: how far apart they are, along which normal, and where.
+//! The gap between two placed shapes: distance, normal and closest points.
 
 use nalgebra::Vector3;
 

@@ -1,4 +1,4 @@
-//! The convex hull of a mesh: what MuJoCo collides in the mesh's place.
+//! The convex hull of a mesh, with which MuJoCo detects its collisions.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -49,8 +49,7 @@ impl From<Hull> for Polyhedron {
 }
 
 impl Hull {
-    /// The convex solid with these faces, in whatever sense each goes round; none where they do not close
-    /// one.
+    /// The convex solid with these faces, in whatever sense each goes round; `None` if they do not close one.
     pub fn new(vertices: Vec<Vector3<f64>>, triangles: Vec<[usize; 3]>) -> Option<Hull> {
         let finite = vertices.iter().all(|v| v.iter().all(|x| x.is_finite()));
         let known = triangles.iter().flatten().all(|&v| v < vertices.len());

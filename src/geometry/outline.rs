@@ -1,4 +1,4 @@
-//! Convex solids of which nothing is known but how far they reach: enough to draw them.
+//! Convex solids known only by their extents, for drawing.
 
 use nalgebra::Vector3;
 
@@ -21,7 +21,7 @@ impl ConvexOutline {
         shape.is_solid().then_some(ConvexOutline(Reach::Shape(shape)))
     }
 
-    /// The convex solid about some points; none where there are none.
+    /// The convex solid about some points; `None` if there are none.
     pub fn about(points: Vec<Vector3<f64>>) -> Option<ConvexOutline> {
         (!points.is_empty()).then(|| ConvexOutline(Reach::Points(FarthestPoint::new(points))))
     }

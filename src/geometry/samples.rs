@@ -119,7 +119,7 @@ impl Parametrised {
         }
     }
 
-    /// The point for three numbers from 0 to 1; none where the area there is too small to have one.
+    /// The point for three numbers from 0 to 1; `None` if the area there is too small to have one.
     fn at(&self, [s, t, w]: [f64; 3]) -> Option<SurfaceSample> {
         match self {
             Parametrised::Faces { faces, triangles } => {

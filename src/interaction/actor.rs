@@ -163,22 +163,21 @@ impl Actor {
             let told = |creature: &Creature| (creature.name().to_string(), creature.joints().len());
             let [(known, joints), (there, others)] = [told(own.creature()), told(there)];
             return Err(Error::usage(format!(
-                "the schema is of {known} with {joints} joints, the scene has {there} with {others}: give the scene of the \
-                 creature that learned it"
+                "the schema belongs to {known} with {joints} joints, but the scene has {there} with {others}: \
+                 give the scene of the creature that learned it"
             )));
         }
         let skin = |skin: &crate::skin::Skin| {
             skin.receptors.iter().map(|receptor| receptor.id.clone()).collect::<Vec<_>>()
         };
         if skin(own.skin()) != skin(handle.agent().skin()) {
-            let sentence = "the scene's creature has other receptors than the one that learned the schema";
+            let sentence =
+                "the scene's creature has different receptors from the one that learned the schema";
             return Err(Error::usage(sentence));
         }
         let limb = |name: &str| {
             let limb = own.creature().limb(name);
-            limb.ok_or_else(|| {
-                Error::usage(format!("there is no limb called {name}: give two of {}", known.0.join(", ")))
-            })
+            limb.ok_or_else(|| Error::usage(format!("no limb {name}: give two of {}", known.0.join(", "))))
         };
         let limbs = [limb(hands[0])?, limb(hands[1])?];
         let up = handle.sense(|balance: &mut Balance| balance.up);
@@ -200,9 +199,7 @@ impl Actor {
             let arm = own.joints_of(limb, &[other]);
             if arm.is_empty() {
                 let [hand, other] = [hands[k], hands[1 - k]];
-                return Err(Error::usage(format!(
-                    "nothing moves {hand} but what moves {other}: give two other limbs"
-                )));
+                return Err(Error::usage(format!("{hand} moves only with {other}: give two other limbs")));
             }
             let leaning = own.joints_to(limb);
             Ok(Hand { name: hands[k].to_string(), limb, arm, leaning, receptors, tip })
@@ -373,7 +370,7 @@ impl Actor {
         Ok(Stop::Arrived)
     }
 
-    /// The posture of so many steps of the last motion ago; none where it has not moved so long.
+    /// The posture of so many steps of the last motion ago; `None` if it has not moved so long.
     pub(super) fn steps_ago(&self, steps: usize) -> Option<&Posture> {
         self.trail.len().checked_sub(1 + steps).map(|k| &self.trail[k])
     }
@@ -437,7 +434,7 @@ impl Actor {
         Ok(felt)
     }
 
-    /// What a contact of a thing tells, in the present posture; none where it is one's own skin.
+    /// What a contact of a thing tells, in the present posture; `None` if it is one's own skin.
     pub fn found(&self, contact: &SkinContact) -> Option<FoundThing> {
         let Toucher::Thing(thing) = contact.by else { return None };
         let receptor = contact.spot.receptor;
@@ -461,7 +458,7 @@ impl Actor {
         self.own.on_surface(found.receptor, &frame.inverse_point(&found.point)).unwrap_or(place)
     }
 
-    /// The way back on which the skin of a receptor came here, `far` metres of it; none where it has not moved.
+    /// The way back on which the skin of a receptor came here, `far` metres of it; `None` if it has not moved.
     pub fn back_by(&self, receptor: usize, far: f64) -> Option<PosturePath> {
         let place = self.own.place(receptor);
         let at = |posture: &[f64]| self.own.frames(posture)[place.limb].point(&place.point);

@@ -151,7 +151,7 @@ pub(super) fn find(actor: &Actor, part: &PartName, touching: Option<usize>) -> R
     found.filter(|found| !found.is_empty()).ok_or(format!("I know of no {} of mine", part.text()))
 }
 
-/// A body at ease, in which skin is told apart by where it lies.
+/// A body in the rest posture, in which skin is told apart by where it lies.
 struct PosedBody<'a> {
     actor: &'a Actor,
     frames: Vec<Frame>,

@@ -1,4 +1,4 @@
-//! Raising what a hand holds, and lowering it until it stands.
+//! Raising a held thing, and lowering it until it stands.
 //!
 //! It is held by one hand to which it is welded by a touch, as where it is put far away.
 

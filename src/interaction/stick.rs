@@ -1,4 +1,4 @@
-//! A stick in a hand: what is felt through it, and what is known of it.
+//! A stick in a hand: what the hand feels through it, and what is known about it.
 //!
 //! The hand that holds a stick feels it pressed against something, at the receptor that holds it; where it touches is not
 //! told. Skin of his own that the stick touches feels a thing in the same moment. From such touches of himself he learns
@@ -180,7 +180,7 @@ impl Actor {
         pressed.then_some(only.spot.receptor)
     }
 
-    /// Does something with the tip of the stick in place of the hand that holds it; none where no stick is known.
+    /// Does something with the tip of the stick in place of the hand that holds it; `None` if no stick is known.
     fn with_stick<T>(&mut self, act: impl FnOnce(&mut Actor, usize) -> T) -> Option<T> {
         let (tip, hand) = (self.stick_tip()?, self.stick.as_ref()?.hand);
         let with_tip = Hand { receptors: vec![tip], tip, ..self.hands[hand].clone() };

@@ -174,7 +174,7 @@ impl Things {
         }
     }
 
-    /// The thing that "it" is: the one that is meant, or the only one; none where there are several and none was named.
+    /// The thing that "it" is: the one that is meant, or the only one; `None` if there are several and none was named.
     pub fn it(&self) -> Option<&KnownThing> {
         match (self.it.and_then(|it| self.get(it)), self.known.as_slice()) {
             (None, [only]) => Some(only),

@@ -1,4 +1,4 @@
-//! Forward kinematics: where a schema has the limbs in a posture, and how they move.
+//! Forward kinematics: the poses and velocities of the limbs in a posture, from a schema.
 //!
 //! [`carry_through`] is what a joint does, the equation of a body schema:
 //!

@@ -148,7 +148,7 @@ pub(crate) fn check_numbers(source: &Source, root: &Element) -> Result<(), Refus
         None => Ok(()),
         Some((name, greatest, number)) => Err(source.refused(
             root,
-            format!("it has {number} elements <{name}>, more than the {greatest} that MuJoCo comes to an end with; remove some"),
+            format!("it has {number} elements <{name}>, more than the {greatest} that MuJoCo can handle; remove some"),
         )),
     }
 }
@@ -199,12 +199,12 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
             let words = words
                 .rsplit_once(' ')
                 .map_or(String::new(), |(others, last)| format!("{} or {last}", others.replace(' ', ", ")));
-            return Some(format!("{name}=\"{value}\" of {title} is no word of MJCF; give {words}"));
+            return Some(format!("{name}=\"{value}\" of {title} is not an MJCF keyword; give {words}"));
         }
         let axes = value.len() == 3 && value.chars().all(|axis| "xyzXYZ".contains(axis));
         if name == "eulerseq" && !axes {
             return Some(format!(
-                "eulerseq=\"{value}\" is no order of axes; give three of x, y, z, X, Y and Z"
+                "eulerseq=\"{value}\" is not an order of axes; give three of x, y, z, X, Y and Z"
             ));
         }
     }
@@ -218,20 +218,19 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
     for token in &tokens {
         let fault = match (number(token), token.parse::<f64>()) {
             (Some(x), _) if !x.is_finite() && (x.is_nan() || greatest.is_finite()) => {
-                "is no finite number; give one"
+                "is not a finite number"
             }
             (Some(x), _) if !(least..=greatest).contains(&x) => {
                 let (bound, mend) = if x > greatest { (greatest, "smaller") } else { (least, "greater") };
                 return Some(format!(
-                    "{name}=\"{token}\" of {title} is beyond {bound}, the limit of what MuJoCo takes safely; give a {mend} number"
+                    "{name}=\"{token}\" of {title} is beyond {bound}, the limit that MuJoCo handles safely; give \
+                     a {mend} number"
                 ));
             }
             (_, Err(_)) if strict && token.contains("${") => {
-                "is no number; write it out with `xacro FILE > robot.urdf`"
+                "is not a number; expand it with `xacro FILE > robot.urdf`"
             }
-            (_, Err(_)) if strict => {
-                "is no number; give one, with a point for decimals and spaces between numbers"
-            }
+            (_, Err(_)) if strict => "is not a number; use decimal points, and spaces between numbers",
             _ => continue,
         };
         return Some(format!("\"{token}\" in {name} of {title} {fault}"));
@@ -252,10 +251,10 @@ fn undirected(element: &Element) -> Option<String> {
     let title = element.title();
     let first = given.next()?;
     if let Some(second) = given.next() {
-        return Some(format!("{title} is turned by {first} and by {second}; remove one of them"));
+        return Some(format!("{title} is rotated by both {first} and {second}; remove one of them"));
     }
     Angles::new(None, None)
         .orientation(element)
         .is_none()
-        .then(|| format!("{first} of {title} gives no direction; give it numbers that make one"))
+        .then(|| format!("{first} of {title} gives no direction; correct its numbers"))
 }

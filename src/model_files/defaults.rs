@@ -1,4 +1,4 @@
-//! Default classes: what an element has where it says nothing.
+//! Default classes: the values of attributes that an element does not give.
 
 use std::collections::BTreeMap;
 
@@ -54,7 +54,7 @@ impl Defaults {
             match inner.get("class").unwrap_or_default() {
                 "" => return Err((inner, "<default> in another has no class; give it class=\"…\"".into())),
                 name if name != MAIN && self.has(name) => {
-                    return Err((inner, format!("there are two classes {name}; rename one")));
+                    return Err((inner, format!("two classes are called {name}; rename one")));
                 }
                 name => self.class(inner, name, own.clone())?,
             }

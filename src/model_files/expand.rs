@@ -176,7 +176,7 @@ impl Expansion<'_> {
             return Ok(());
         }
         let message = format!(
-            "with all its replicas it comes to more than {GREATEST_TREE} elements; give <replicate> a smaller count"
+            "with all replicas it has more than {GREATEST_TREE} elements; give <replicate> a smaller count"
         );
         Err(self.source.refused(at, message))
     }
@@ -195,7 +195,7 @@ impl Expansion<'_> {
         match element.get(attribute) {
             Some(class) if !class.is_empty() && !self.defaults.has(class) => {
                 let message = format!(
-                    "{attribute}=\"{class}\" of {} is the name of no <default>; define that class or correct the name",
+                    "{attribute}=\"{class}\" of {} names no <default>; define that class or correct the name",
                     element.title()
                 );
                 Err(self.source.refused(element, message))
@@ -268,7 +268,7 @@ impl Expansion<'_> {
         let count = replicate.get("count");
         let count = count.ok_or_else(|| refused("<replicate> has no count; give it count=\"…\"".into()))?;
         let count = count.trim().parse::<usize>().map_err(|_| {
-            refused(format!("count=\"{count}\" of <replicate> is no whole number of 0 or above; give one"))
+            refused(format!("count=\"{count}\" of <replicate> is not a whole number, 0 or above"))
         })?;
         self.bounded(replicate, self.elements.saturating_add(count.saturating_mul(inner.len())))?;
         let offset = replicate.vector("offset").unwrap_or_default();
@@ -311,7 +311,9 @@ impl Expansion<'_> {
             ))
         })?;
         if attach.has("frame") {
-            return Err(refused("<attach> names a frame, which cannot be read; name the body in it".into()));
+            return Err(refused(
+                "<attach> names a frame, which is not supported; name the body in it".into(),
+            ));
         }
         if !file.is_file() {
             let model = self.models[name];
@@ -322,14 +324,12 @@ impl Expansion<'_> {
             return Err(self.source.refused(model, message));
         }
         if self.nesting >= GREATEST_NESTING {
-            return Err(refused(
-                "models are attached to each other without end; remove this <attach>".into(),
-            ));
+            return Err(refused("models attach each other endlessly; remove this <attach>".into()));
         }
         let attached = Source::read(&file)?;
         if attached.root.name != "mujoco" {
             let message =
-                format!("model {name} is in {}, which is no MJCF; convert it first", file.display());
+                format!("model {name} is in {}, which is not MJCF; convert it first", file.display());
             return Err(self.source.refused(self.models[name], message));
         }
         checks::check(&attached)?;

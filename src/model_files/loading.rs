@@ -71,7 +71,7 @@ impl Model {
         {
             let ([least, greatest], name) = (joint.range, joint.name.unwrap_or_default());
             let note = format!(
-                "the limits of joint {name}, {least:?} to {greatest:?}, are beyond all that can be: taken for none"
+                "the limits of joint {name}, {least:?} to {greatest:?}, are out of range and ignored"
             );
             left_out.notes.push(note);
         }
@@ -260,11 +260,11 @@ impl From<Error> for Failed {
 fn no_model(source: &Source, root: &str) -> Refused {
     let message = match root {
         "mujocoinclude" => {
-            "it is a part that other files include; give the file that includes it".to_string()
+            "it is a fragment included by other files; give the file that includes it".to_string()
         }
         "sdf" => "it is SDF; convert it to URDF or MJCF first".to_string(),
         _ => format!(
-            "it begins with <{root}>, and is neither MJCF (<mujoco>) nor URDF (<robot>); give one of these"
+            "it begins with <{root}> and is neither MJCF (<mujoco>) nor URDF (<robot>); give one of these"
         ),
     };
     source.refused(&source.root, message)

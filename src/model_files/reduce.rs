@@ -53,7 +53,7 @@ impl Reduced {
         for section in sections().filter(|section| !is_of(READ, &section.name)) {
             let what = format!("<{}>", section.name);
             if is_of(OF_BODIES, &section.name) {
-                let message = format!("{} stands outside of <worldbody>; put it there", section.title());
+                let message = format!("{} is outside <worldbody>; move it there", section.title());
                 return Err(source.refused(section, message));
             }
             if is_of(BODILY, &section.name) { left_out.lose(what, 1) } else { left_out.spare(what) }
@@ -134,7 +134,7 @@ impl Reduced {
             root.descendants().filter(|e| e.name == "mesh").filter_map(mesh_name).collect();
         let gone = root
             .remove_all(&|e| e.name == "geom" && e.get("mesh").is_some_and(|mesh| !meshes.contains(mesh)));
-        left_out.lose("geom whose mesh is not there", gone);
+        left_out.lose("geom with a missing mesh", gone);
         let shapes = root.descendants().filter(|e| e.name == "geom").filter_map(|e| e.get("type"));
         let others: BTreeSet<String> =
             shapes.filter(|shape| !is_of(SHAPES, shape)).map(str::to_string).collect();
@@ -155,7 +155,7 @@ impl Reduced {
             if let Some(section) = root.children.iter_mut().find(|own| own.name == section) {
                 let gone = section.remove_all(&|e| !stands(e, &there));
                 section.children.retain(|child| child.name != "tuple" || !child.children.is_empty());
-                let what = format!("entry of <{}> for what is not there", section.name);
+                let what = format!("entry of <{}> for a missing element", section.name);
                 (0..gone).for_each(|_| left_out.spare(&what));
             }
         }
@@ -170,7 +170,7 @@ impl Reduced {
             }
         });
         if found {
-            self.left_out.spare("faces of a mesh, of which the hull is made");
+            self.left_out.spare("faces of a mesh (its hull is used)");
         }
         found
     }
@@ -182,7 +182,7 @@ impl Reduced {
         if found > 0 {
             let geoms = self.root.remove_all(&|e| e.name == "geom" && e.get("mesh") == Some(name));
             self.left_out
-                .lose(format!("geom of the mesh {name}, which this MuJoCo refuses: {reason}"), geoms);
+                .lose(format!("geom of the mesh {name}, which this MuJoCo rejects: {reason}"), geoms);
         }
         found > 0
     }

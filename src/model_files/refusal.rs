@@ -1,4 +1,4 @@
-//! The engine's words about a file, told of the user's own file.
+//! The engine's error messages about a file, rewritten to refer to the user's file.
 
 use super::tree::{Element, Place};
 use super::write::{Texts, numbered};
@@ -88,16 +88,16 @@ const MENDS: [(&str, &str); 33] = [
     ("range[0] should be 0", "give the range of a ball as \"0 ANGLE\""),
     ("not have enough data", "give it more numbers"),
     ("too much data", "give it fewer numbers"),
-    ("problem reading attribute", "give it numbers, with a point for decimals and spaces between them"),
+    ("problem reading attribute", "give it numbers, with decimal points and spaces between them"),
     ("single int expected", "give it one whole number"),
-    ("invalid keyword", "give it a word that MJCF has"),
+    ("invalid keyword", "give it an MJCF keyword"),
     ("required attribute missing", "add it there"),
     ("mass and inertia cannot be negative", "give it a mass above 0"),
     ("inertia or density are negative", "give it numbers of 0 or above"),
     ("plane and hfield only", "give it another shape, or put it into the world"),
     ("must have valid meshid", "name one of the meshes of <asset> with mesh=\"…\""),
     ("both pos and fromto", "remove one of them"),
-    ("fromto requires", "give it one of these shapes, or pos in place of fromto"),
+    ("fromto requires", "give it one of these shapes, or pos instead of fromto"),
     ("invalid condim", "give 1, 3, 4 or 6"),
     ("is not a fixed child of world", "remove mocap=\"true\", or put it into the world without joints"),
     ("more than 6 dofs", "spread its joints over several bodies"),
@@ -112,10 +112,10 @@ const MENDS: [(&str, &str); 33] = [
     ("multiple orientation", "remove all but one"),
 ];
 
-/// The engine's words with the mend.
+/// The engine's words with the fix.
 pub(super) fn refusal(message: &str, version: Version) -> String {
     if message.is_empty() {
-        return "MuJoCo refuses it without a word: check that it is an MJCF file".into();
+        return "MuJoCo rejects it without a reason: check that it is an MJCF file".into();
     }
     if message.contains("unrecognized") {
         return format!("{message}; MuJoCo {version} does not know it: correct or remove it there");

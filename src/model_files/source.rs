@@ -16,7 +16,7 @@ const GREATEST_FILE: u64 = 256 << 20;
 /// How many files a model may be made of: what writes out their includes goes down by calls.
 const GREATEST_INCLUSION: usize = 1000;
 
-/// Why a file cannot be read: a clause with its mend, and where it applies.
+/// Why a file cannot be read: a clause with its fix, and where it applies.
 pub(crate) use crate::mujoco::Error as Refused;
 
 impl Refused {
@@ -110,7 +110,7 @@ impl Source {
                 ));
             }
             if self.files.len() >= GREATEST_INCLUSION {
-                return refused("it includes more files than can be; remove an <include>".into());
+                return refused("it includes too many files; remove an <include>".into());
             }
             self.files.push(found.clone());
             let mut included = parse(&found, &text_of(&found)?)?;
@@ -165,11 +165,11 @@ fn text_of(path: &Path) -> Result<String, Refused> {
     };
     match read() {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            refused("there is no such file; give the path of an MJCF or URDF file")
+            refused("no such file; give the path of an MJCF or URDF file")
         }
-        Err(error) => refused(&format!("it cannot be read ({error}); give an MJCF or URDF file that can")),
+        Err(error) => refused(&format!("it cannot be read ({error}); give a readable MJCF or URDF file")),
         Ok((about, _)) if !about.is_file() => {
-            refused("it is no regular file; give the path of an MJCF or URDF file")
+            refused("it is not a regular file; give the path of an MJCF or URDF file")
         }
         Ok((about, _)) if about.len() > GREATEST_FILE => {
             refused("it is larger than 256 MiB; give the path of an MJCF or URDF file")
@@ -194,7 +194,7 @@ pub(super) fn text_from(bytes: &[u8]) -> String {
 /// How deep elements may lie in each other: what visits a tree goes down by calls.
 const GREATEST_DEPTH: usize = 1000;
 /// What a file without any element is refused with, or one that begins with something else.
-const NO_XML: &str = "it holds no XML: give the path of an MJCF or URDF file";
+const NO_XML: &str = "it contains no XML: give the path of an MJCF or URDF file";
 /// The mark that some editors put before text, and blanks as long.
 const BYTE_ORDER_MARK: (&str, &str) = ("\u{feff}", "   ");
 
@@ -211,7 +211,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
     let malformed = |at: usize, what: &str| refused(at, format!("malformed XML ({what}); correct it there"));
     let is_control = |mark: char| mark < ' ' && !mark.is_ascii_whitespace();
     if let Some(at) = text.find(is_control) {
-        let message = "a character there is none of XML; give an MJCF or URDF file, which is text";
+        let message =
+            "it contains a character that XML does not allow; give an MJCF or URDF file, which is text";
         return Err(refused(at, message.into()));
     }
     let text = &text.replacen(BYTE_ORDER_MARK.0, BYTE_ORDER_MARK.1, 1);
@@ -229,7 +230,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
         if let Some(root) = root.as_ref().filter(|_| !matches!(event, Event::Comment(_) | Event::PI(_)))
             && let Some(more) = text[begin..end].find(|mark: char| !mark.is_whitespace())
         {
-            return Err(malformed(begin + more, &format!("there is more after </{}>", root.name)));
+            return Err(malformed(begin + more, &format!("content after </{}>", root.name)));
         }
         let closes = matches!(event, Event::Empty(_) | Event::End(_));
         match event {
@@ -248,7 +249,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
                 }
                 let names = element.attributes.iter().map(|(name, _)| name).chain([&element.name]);
                 if let Some(odd) = { names }.find(|name| !is_name(name)) {
-                    return Err(malformed(begin, &format!("{odd:?} is no name")));
+                    return Err(malformed(begin, &format!("{odd:?} is not a name")));
                 }
                 open.push(element);
             }
@@ -258,7 +259,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Element, Refused> {
         }
         if open.len() > GREATEST_DEPTH {
             let message = format!(
-                "its elements lie deeper than {GREATEST_DEPTH} in each other; give a chain of fewer bodies"
+                "its elements are nested more than {GREATEST_DEPTH} deep; give a chain of fewer bodies"
             );
             return Err(refused(begin, message));
         }
@@ -350,7 +351,7 @@ impl LeftOut {
         *self.unneeded.entry(what.into()).or_default() += 1;
     }
 
-    /// What was left out, for a sentence: what is lost of the body by name, all else as a number of kinds; none where
+    /// What was left out, for a sentence: what is lost of the body by name, all else as a number of kinds; `None` if
     /// nothing was.
     pub fn in_words(&self) -> Option<String> {
         const SHOWN: usize = 4;

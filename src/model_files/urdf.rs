@@ -88,7 +88,7 @@ impl Parts<'_> {
             geoms = self.geoms(described, "visual")?;
             if !geoms.is_empty() && described.child("collision").is_some() {
                 self.left_out.notes.push(format!(
-                    "link {link} is touched on its visual shape, for its collision shape cannot be read"
+                    "link {link} uses its visual shape, because its collision shape cannot be read"
                 ));
             }
         }
@@ -148,7 +148,7 @@ impl Parts<'_> {
         vec![moved]
     }
 
-    /// The geom of a `<collision>` or `<visual>`; none where it has a shape that cannot be read.
+    /// The geom of a `<collision>` or `<visual>`; `None` if it has a shape that cannot be read.
     fn geom(&mut self, link: &str, described: &Element) -> Result<Option<Element>, Refused> {
         let shape = described.child("geometry").and_then(|e| e.children.first());
         let Some(shape) = shape else {
@@ -180,7 +180,7 @@ impl Parts<'_> {
         Ok(geoms)
     }
 
-    /// The name of a mesh, which is read with its scale; none where its file cannot be read.
+    /// The name of a mesh, which is read with its scale; `None` if its file cannot be read.
     fn mesh(&mut self, shape: &Element) -> Result<Option<String>, Refused> {
         let file = shape.get("filename").filter(|file| !file.trim().is_empty());
         let written =

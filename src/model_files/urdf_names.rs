@@ -1,4 +1,4 @@
-//! What URDF calls things: a name that is nearly one of these is a slip of the pen, and what it says would be lost in silence.
+//! The names that URDF defines: a name close to one of these is likely a typo and would otherwise be silently ignored.
 
 use crate::named::did_you_mean;
 

@@ -1,4 +1,4 @@
-//! The links and joints of a URDF file: what every command that reads one takes from it alike.
+//! The links and joints of a URDF file, as read by every command.
 
 use std::collections::BTreeSet;
 
@@ -74,7 +74,7 @@ impl Origin {
 /// How a joint goes along with another: its coordinate is gain × the leader's + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UrdfFollowing<'a> {
-    /// The joint that it follows in the end; none where that stands still.
+    /// The joint that it follows in the end; `None` if that stands still.
     pub leader: Option<&'a str>,
     pub gain: f64,
     pub offset: f64,
@@ -90,7 +90,7 @@ pub(crate) struct UrdfJoint<'a> {
     pub kind: UrdfKind,
     /// Of any length above zero.
     pub axis: Vector3<f64>,
-    /// Least and greatest coordinate, radians or metres; none where it has no limits.
+    /// Least and greatest coordinate, radians or metres; `None` if it has no limits.
     pub limits: Option<[f64; 2]>,
     pub follows: Option<UrdfFollowing<'a>>,
 }
@@ -118,10 +118,8 @@ impl<'a> UrdfTree<'a> {
         check_names(source, &source.root)?;
         let children = || source.root.children.iter();
         if let Some(of_xacro) = children().find(|child| child.name.starts_with("xacro:")) {
-            let message = format!(
-                "<{}> is of Xacro, not URDF; write it out with `xacro FILE > robot.urdf`",
-                of_xacro.name
-            );
+            let message =
+                format!("<{}> is Xacro, not URDF; expand it with `xacro FILE > robot.urdf`", of_xacro.name);
             return Err(source.refused(of_xacro, message));
         }
         let mut tree =
@@ -132,7 +130,7 @@ impl<'a> UrdfTree<'a> {
                 return Err(source.refused(link, "<link> has no name; give it name=\"…\""));
             }
             if tree.link(name).is_some() {
-                return Err(source.refused(link, format!("there are two links {name}; rename one")));
+                return Err(source.refused(link, format!("two links are called {name}; rename one")));
             }
             tree.links.push((name, link));
         }
@@ -142,7 +140,7 @@ impl<'a> UrdfTree<'a> {
             let same = |other: &&UrdfJoint| !joint.name.is_empty() && other.name == joint.name;
             if let Some(other) = joints.iter().find(same) {
                 return Err(
-                    source.refused(element, format!("there are two joints {}; rename one", other.name))
+                    source.refused(element, format!("two joints are called {}; rename one", other.name))
                 );
             }
             if joints.iter().any(|other| other.child == joint.child) {
@@ -203,7 +201,7 @@ impl<'a> UrdfTree<'a> {
         let given = element.get("type").unwrap_or_default();
         let Some((_, kind)) = UrdfKind::NAMES.into_iter().find(|(name, _)| *name == given) else {
             let message = format!(
-                "joint {name} is of the type \"{given}\"; give revolute, continuous, prismatic, fixed, floating or planar"
+                "joint {name} has type \"{given}\"; give revolute, continuous, prismatic, fixed, floating or planar"
             );
             return Err(self.source.refused(element, message));
         };
@@ -227,7 +225,7 @@ impl<'a> UrdfTree<'a> {
             link.ok_or_else(|| refused(format!("joint {name} has no <{end} link=\"…\"/>; give it one")))?;
         let known = self.links.iter().find(|(known, _)| *known == link);
         known.map(|(known, _)| *known).ok_or_else(|| {
-            refused(format!("joint {name} names the link {link}, which is not there; correct it there"))
+            refused(format!("joint {name} names the link {link}, which does not exist; correct it there"))
         })
     }
 
@@ -240,9 +238,9 @@ impl<'a> UrdfTree<'a> {
         let span = if kind == UrdfKind::Prismatic { UNLIMITED_SLIDE } else { std::f64::consts::PI };
         let limits = bounded([lower, upper], span).filter(|_| lower < upper);
         if limits != Some([lower, upper]) && given != [None; 2] {
-            let read = limits.map_or("none".into(), |[lower, upper]| format!("{lower:.3} to {upper:.3}"));
-            self.notes
-                .push(format!("the limits of joint {name}, {lower:?} to {upper:?}, are taken for {read}"));
+            let read =
+                limits.map_or("ignored".into(), |[lower, upper]| format!("read as {lower:.3} to {upper:.3}"));
+            self.notes.push(format!("the limits of joint {name}, {lower:?} to {upper:?}, are {read}"));
         }
         limits
     }
@@ -264,7 +262,7 @@ impl<'a> UrdfTree<'a> {
             };
             let Some(leader) = joints.iter().find(|other| other.name == leader) else {
                 let message =
-                    format!("joint {} mimics {leader}, which is not there; correct it there", on.name);
+                    format!("joint {} mimics {leader}, which does not exist; correct it there", on.name);
                 return refused(message);
             };
             if leader.name == joint.name {
@@ -283,7 +281,7 @@ impl<'a> UrdfTree<'a> {
             }
             if !leader.kind.is_single() {
                 self.notes.push(format!(
-                    "joint {} mimics {}, which has no single coordinate: it moves alone here",
+                    "joint {} mimics {}, which has no single coordinate; it moves independently here",
                     joint.name, leader.name
                 ));
                 return Ok(None);
@@ -303,10 +301,9 @@ impl<'a> UrdfTree<'a> {
             (None, _) if self.links.is_empty() => {
                 Err(Refused::file(path, "it has no <link>; give a robot with links and joints"))
             }
-            (None, _) => Err(Refused::file(
-                path,
-                "its links carry each other in a circle; correct the <parent> of one of its joints",
-            )),
+            (None, _) => {
+                Err(Refused::file(path, "its links form a loop; correct the <parent> of one of its joints"))
+            }
             (Some((first, _)), Some((second, link))) => Err(self.source.refused(
                 link,
                 format!("links {first} and {second} are not carried by any joint; join them with a <joint>"),
@@ -331,7 +328,7 @@ impl<'a> UrdfTree<'a> {
             None => Ok(order),
             Some((name, link)) => {
                 let message =
-                    format!("link {name} is carried by itself; correct the <parent> of one of its joints");
+                    format!("link {name} is its own parent; correct the <parent> of one of its joints");
                 Err(self.source.refused(link, message))
             }
         }

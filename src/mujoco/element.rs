@@ -200,7 +200,7 @@ pub enum Equality {
     Joint {
         /// The joint that follows.
         follower: usize,
-        /// The joint that it follows; none where it stands at the polynomial's constant.
+        /// The joint that it follows; `None` if it stands at the polynomial's constant.
         leader: Option<usize>,
         /// Coefficients of degree 0 to 4: the follower's coordinate from the leader's, both counted from the
         /// reference posture.

@@ -73,7 +73,7 @@ pub fn schema() -> Result<String> {
     buffer.truncate(usize::try_from(written).unwrap_or(0).min(BYTES));
     let text = String::from_utf8_lossy(&buffer).trim_end_matches('\0').to_string();
     if text.is_empty() {
-        let message = "it prints no schema of MJCF: use a complete MuJoCo".to_string();
+        let message = "it does not print the MJCF schema: use a complete MuJoCo".to_string();
         return Err(Error::Engine { call: "mj_printSchema", message });
     }
     Ok(text)

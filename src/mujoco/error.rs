@@ -1,4 +1,4 @@
-//! What can go wrong between the crate and MuJoCo; each message is one sentence with its mend.
+//! What can go wrong between the crate and MuJoCo; each message is one sentence with its fix.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ pub enum Error {
         /// The file, which may be one that the model includes, or
         /// [`Model::STRING_NAME`](super::Model::STRING_NAME) for a model from a string.
         path: PathBuf,
-        /// The line of the element, counted from 1; none where it is about the whole file.
+        /// The line of the element, counted from 1; `None` if it is about the whole file.
         line: Option<usize>,
         /// What was wrong, where, and what to do about it.
         message: String,
@@ -33,7 +33,9 @@ pub enum Error {
         library: i32,
     },
     /// The engine raised an error inside a call; the data it worked on were reset.
-    #[error("MuJoCo stopped in {call} with \"{message}\": give the model more room or mend what it names")]
+    #[error(
+        "MuJoCo stopped in {call} with \"{message}\": give the model more memory, or correct what the message names"
+    )]
     Engine {
         /// The C function that was called.
         call: &'static str,
@@ -50,7 +52,7 @@ pub enum Error {
     },
     /// Nothing can be drawn.
     #[error(
-        "there is no OpenGL to draw with ({reason}): install Debian's packages libegl1 and libgl1-mesa-dri, or libosmesa6"
+        "no OpenGL available ({reason}): install Debian's packages libegl1 and libgl1-mesa-dri, or libosmesa6"
     )]
     OpenGl {
         /// What was tried, and what it lacked.

@@ -85,7 +85,7 @@ impl Model {
     /// # Panics
     /// Where there is no such body.
     pub fn with_body_position(&self, body: usize, position: &Vector3<f64>) -> Result<Self> {
-        assert!(body < self.nbody(), "there is no body {body}");
+        assert!(body < self.nbody(), "no body {body}");
         let mut copy = self.copy()?;
         let raw = copy.raw_mut();
         for (i, coordinate) in (3 * body..).zip(position) {
@@ -239,7 +239,7 @@ impl Model {
     }
 
     /// The colour of geom `i`, red, green, blue and opacity, 0 to 1: its own, or that of its material where it has
-    /// none; none where nobody painted it.
+    /// none; `None` if nobody painted it.
     pub fn geom_rgba(&self, i: usize) -> Option<[f32; 4]> {
         /// What the engine gives geoms without a colour.
         const NONE: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
@@ -285,9 +285,8 @@ impl Model {
             .collect()
     }
 
-    /// The convex hull of the mesh of geom `i`, in the frame of [`Model::mesh_vertices`]: its corners, in
-    /// metres, and its faces, three corners each; none where the engine made no hull, which it does for
-    /// meshes that can collide alone.
+    /// The convex hull of the mesh of geom `i`, in the frame of [`Model::mesh_vertices`]: its corners, in metres, and its
+    /// faces, three corners each; `None` if the engine made no hull, which it does for meshes that can collide alone.
     #[allow(clippy::type_complexity, reason = "corners and faces are what every mesh is")]
     pub fn mesh_hull(&self, i: usize) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
         let vertices = self.mesh_vertices(i);

@@ -119,14 +119,14 @@ fn library() -> Result<&'static Platform> {
             // MuJoCo would take the functions of a library that stayed in the process.
             if is_loaded(EGL) {
                 return Err(format!(
-                    "{first}; {OPENGL_VARIABLE}=osmesa draws without it, if libosmesa6 is there"
+                    "{first}; {OPENGL_VARIABLE}=osmesa does without it, if libosmesa6 is installed"
                 ));
             }
             OsMesa::load().map(Platform::OsMesa).map_err(|second| format!("{first}, {second}"))
         }
         "egl" => Egl::load().map(|egl| Platform::Egl(Box::new(egl))),
         "osmesa" => OsMesa::load().map(Platform::OsMesa),
-        "none" => Err(format!("{OPENGL_VARIABLE}=none keeps it out")),
+        "none" => Err(format!("{OPENGL_VARIABLE}=none disables it")),
         other => Err(format!("{OPENGL_VARIABLE} is {other}: set it to egl, osmesa or none")),
     });
     found.as_ref().map_err(|reason| Error::OpenGl { reason: reason.clone() })
@@ -136,7 +136,7 @@ fn library() -> Result<&'static Platform> {
 fn open(names: &[&str]) -> std::result::Result<Library, String> {
     // SAFETY: what these libraries do when they are loaded is what every program has done that draws with them.
     let found = names.iter().find_map(|name| unsafe { Library::new(*name) }.ok());
-    found.ok_or_else(|| format!("there is no {}", names[0]))
+    found.ok_or_else(|| format!("{} not found", names[0]))
 }
 
 /// Whether a library is in the process already.
@@ -154,7 +154,7 @@ fn is_loaded(names: &[&str]) -> bool {
 unsafe fn symbol<T: Copy>(library: &Library, name: &CStr) -> std::result::Result<T, String> {
     // SAFETY: as promised by the caller.
     let found = unsafe { library.get::<T>(name.to_bytes_with_nul()) };
-    found.map(|function| *function).map_err(|_| format!("it lacks {}", name.to_string_lossy()))
+    found.map(|function| *function).map_err(|_| format!("{} is missing", name.to_string_lossy()))
 }
 
 /// EGL: one display of it, on which contexts are made.
@@ -249,11 +249,11 @@ fn context(
     // It is bound per thread.
     let bound = instance.bind_api(egl::OPENGL_API);
     let context = bound.and_then(|()| instance.create_context(display, config, None, &[egl::NONE]));
-    let context = context.map_err(|error| format!("EGL gives no context of OpenGL: {error}"))?;
+    let context = context.map_err(|error| format!("EGL provides no OpenGL context: {error}"))?;
     instance.create_pbuffer_surface(display, config, &SURFACE).map(|surface| (context, surface)).map_err(
         |error| {
             let _ = instance.destroy_context(display, context);
-            format!("EGL gives no surface to draw on: {error}")
+            format!("EGL provides no drawing surface: {error}")
         },
     )
 }
@@ -287,6 +287,6 @@ impl OsMesa {
         const STENCIL: c_int = 8;
         // SAFETY: numbers alone; no context to share with.
         let context = unsafe { (self.create_context)(RGBA, DEPTH, STENCIL, 0, null_mut()) };
-        if context.is_null() { Err("OSMesa gives no context of OpenGL".into()) } else { Ok(context) }
+        if context.is_null() { Err("OSMesa provides no OpenGL context".into()) } else { Ok(context) }
     }
 }

@@ -117,7 +117,7 @@ pub struct View<'a> {
     pub repaint: &'a dyn Fn(usize) -> Option<[f32; 4]>,
     /// Geoms that are drawn a second time.
     pub copies: &'a [GeomCopy],
-    /// What is written below, in ASCII; none where that is empty.
+    /// What is written below, in ASCII; `None` if that is empty.
     pub caption: &'a str,
 }
 

@@ -30,7 +30,7 @@ struct LimbPiece {
 pub struct LimbPieces {
     /// Per limb, its solid pieces.
     of: Vec<Vec<LimbPiece>>,
-    /// Per limb, a ball about its pieces; none where it has none.
+    /// Per limb, a ball about its pieces; `None` if it has none.
     bounds: Vec<Option<Ball>>,
 }
 
@@ -103,7 +103,7 @@ struct GuardedPair {
 pub struct Nearness {
     /// The limb.
     pub limb: usize,
-    /// The other limb; none where it is an obstacle.
+    /// The other limb; `None` if it is an obstacle.
     pub other: Option<usize>,
     /// The gap there, in the root's frame, the normal from the other to the limb.
     pub gap: Gap,
@@ -118,14 +118,14 @@ pub struct CollisionChecker {
     pairs: Vec<GuardedPair>,
     /// Per limb, whether obstacles matter to it.
     exposed: Vec<bool>,
-    /// Per obstacle and limb, the greatest margin that is asked of them, metres; none where there is no limit.
+    /// Per obstacle and limb, the greatest margin that is asked of them, metres; `None` if there is no limit.
     eased: Vec<Vec<f64>>,
     /// What is known to be there.
     pub obstacles: Vec<Obstacle>,
 }
 
 impl CollisionChecker {
-    /// The surfaces of a body with nothing about it. Limbs that carry each other, and pieces that overlap at ease or
+    /// The surfaces of a body with nothing about it. Limbs that carry each other, and pieces that overlap in the rest posture or
     /// that overlapped in a posture that was lived through, are taken not to feel each other.
     pub fn new(own: &OwnBody) -> CollisionChecker {
         let pieces = LimbPieces::new(own.agent());
@@ -415,7 +415,7 @@ impl LimbPiece {
     }
 }
 
-/// A ball about pieces; none where there is none.
+/// A ball about pieces; `None` if there is none.
 fn bound(pieces: &[LimbPiece]) -> Option<Ball> {
     Ball::about(&pieces.iter().map(|piece| piece.ball).collect::<Vec<_>>())
 }

@@ -90,7 +90,7 @@ impl FeltSurface {
         FeltSurface { place, point, direction, radius: 0.0, deviation }
     }
 
-    /// What a receptor feels whose limb is at `first`, by the poses before and after; none where the skin's surface is not
+    /// What a receptor feels whose limb is at `first`, by the poses before and after; `None` if the skin's surface is not
     /// known. How surely it is known two draws of surfaces tell.
     pub fn of(
         own: &OwnBody,
@@ -192,7 +192,7 @@ impl Possible {
         }
     }
 
-    /// Where it touches; none where the patch reaches beyond the limb there.
+    /// Where it touches; `None` if the patch reaches beyond the limb there.
     fn place(&self, own: &OwnBody, receptor: usize) -> Option<Place> {
         let patch = &own.skin().receptors[receptor];
         let flat = patch.position

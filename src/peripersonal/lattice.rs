@@ -22,7 +22,7 @@ impl Lattice {
         Lattice { voxel: { all }.next().map_or(0.0, |l| l.voxel), first, counts }
     }
 
-    /// The voxels that hold all within `radius` of a point, metres; none where they are more than `most`.
+    /// The voxels that hold all within `radius` of a point, metres; `None` if they are more than `most`.
     pub fn around(middle: &Vector3<f64>, radius: f64, voxel: f64, most: usize) -> Option<Lattice> {
         let bound = |side: f64, k: usize| ((middle[k] + side * radius) / voxel).round() + side;
         let mut lattice = Lattice { voxel, first: [0; 3], counts: [0; 3] };

@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Frames: space is told in the root limb's frame `R`, which stays where it is while the creature acts; a map of what is
-//! reachable in the chest's frame `C` as it is at ease.
+//! reachable in the chest's frame `C` in the rest posture.
 
 mod collision;
 mod farthest;

@@ -62,7 +62,7 @@ impl Obstacle {
         self.nearest(body, Precision::LowerBound).map_or(f64::INFINITY, |gap| gap.distance)
     }
 
-    /// Where a body is nearest to it, the normal from it to the body; none where it does not matter to the body.
+    /// Where a body is nearest to it, the normal from it to the body; `None` if it does not matter to the body.
     pub(super) fn nearest(&self, body: &dyn ConvexBody, precision: Precision) -> Option<Gap> {
         match self {
             Obstacle::Capsule(capsule) => Some(gap(body, capsule, precision)),

@@ -38,7 +38,7 @@ pub enum Doubt {
     Undetermined(Vec<String>),
     /// Skin may be too far off. Named are the joints whose place or axis is not known well enough.
     Inexact {
-        /// The joints, or none where no single one stands out.
+        /// The joints, or `None` if no single one stands out.
         joints: Vec<String>,
         /// One standard deviation, metres.
         deviation: f64,
@@ -56,7 +56,7 @@ impl fmt::Display for Doubt {
             Doubt::Unknown => {
                 write!(
                     f,
-                    "nothing tells me how far off I may be, for no fresh touch has borne out what I learned"
+                    "I cannot say how far off I may be, because no held-out touch confirms what I learned"
                 )
             }
             Doubt::Inexact { joints, deviation } => {
@@ -126,7 +126,7 @@ impl OwnBody {
         OwnBody { certainty: Certainty::Unknown, ..self.clone() }
     }
 
-    /// What its touches determine of it; none where it is taken as it is, or nothing is known of that.
+    /// What its touches determine of it; `None` if it is taken as it is, or nothing is known of that.
     pub fn account(&self) -> Option<&Account> {
         match &self.certainty {
             Certainty::Estimated(account) => Some(account),
@@ -144,7 +144,7 @@ impl OwnBody {
         limb_frames(self.creature(), &self.schema, posture)
     }
 
-    /// The posture at ease: that of the reference, or as near to it as ranges allow.
+    /// The rest posture: the reference, or as near to it as ranges allow.
     pub fn at_ease(&self) -> Posture {
         Posture::start(self.creature())
     }
@@ -207,7 +207,7 @@ impl OwnBody {
         leads.unwrap_or_else(|| self.place(receptor))
     }
 
-    /// The place of the surface under a receptor that is nearest to a point of the limb; none where it is not known.
+    /// The place of the surface under a receptor that is nearest to a point of the limb; `None` if it is not known.
     pub fn on_surface(&self, receptor: usize, p_l: &Vector3<f64>) -> Option<Place> {
         let found = &self.skin().receptors[receptor];
         let (distance, normal) = self.skin().surfaces[found.surface?].signed_distance(p_l)?;

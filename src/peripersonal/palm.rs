@@ -25,8 +25,8 @@ pub struct Palm {
 }
 
 impl Palm {
-    /// The palm of a hand, by its limb; none where its skin tells none. Limbs that the hand carries are taken to be held as
-    /// they are at ease.
+    /// The palm of a hand, by its limb; `None` if its skin tells none. Limbs that the hand carries are taken to be held as
+    /// they are in the rest posture.
     pub fn of(own: &OwnBody, limb: usize) -> Option<Palm> {
         let frames = own.frames(&own.at_ease());
         let into = |other: usize| frames[limb].inverse() * frames[other];

@@ -44,7 +44,7 @@ pub fn straight(own: &OwnBody, clearance: &CollisionChecker, from: &[f64], to: &
 }
 
 /// A way from one posture to another that moves only `joints` and keeps clear by `margin`; what is nearer at its ends
-/// may be as near on the way. None where none is found.
+/// may be as near on the way. `None` if none is found.
 pub fn find_path(
     own: &OwnBody,
     clearance: &CollisionChecker,
@@ -87,7 +87,7 @@ pub fn find_path(
     None
 }
 
-/// Grows a tree towards a posture by a branch; none where the way is barred or it is there already.
+/// Grows a tree towards a posture by a branch; `None` if the way is barred or it is there already.
 fn grow(
     own: &OwnBody,
     clearance: &CollisionChecker,

@@ -86,7 +86,7 @@ pub struct ReachableMap {
     pub hand: usize,
     /// The limb in whose frame the map is told: the chest.
     pub chest: usize,
-    /// `X_RC`: the chest in the root's frame with the body at ease. It stays there while the chest leans.
+    /// `X_RC`: the chest in the root's frame with the body in the rest posture. It stays there while the chest leans.
     pub frame: Frame,
     /// The point of the hand.
     pub tip: Place,
@@ -120,7 +120,7 @@ impl OwnBody {
         ancestors(first).into_iter().find(|&ancestor| carries(ancestor)).unwrap_or(0)
     }
 
-    /// The place of a limb's skin that is farthest from the joint that carries it; none where it has no receptors.
+    /// The place of a limb's skin that is farthest from the joint that carries it; `None` if it has no receptors.
     pub fn tip_of(&self, limb: usize) -> Option<Place> {
         let pose = self.creature().joint_of(limb).and_then(|joint| self.schema.limb_poses.get(joint));
         let far = |place: &Place| pose.map_or(place.point, |pose| pose.point(&place.point)).norm();
@@ -146,14 +146,14 @@ impl OwnBody {
         PlaceChain::new(self.creature(), &self.schema, ends, frame, posture, moves)
     }
 
-    /// Why it is not known where a limb's skin is, in words; none where it is, or where the schema is taken as it is.
+    /// Why it is not known where a limb's skin is, in words; `None` if it is, or where the schema is taken as it is.
     pub fn unplaced(&self, limb: usize) -> Option<String> {
         match self.certainty() {
             Certainty::Exact => None,
             Certainty::Estimated(account) => {
                 account.openness(self.creature(), limb).map(|why| why.words(self.creature()))
             }
-            Certainty::Unknown => Some("nothing tells how far off it is".into()),
+            Certainty::Unknown => Some("its error is unknown".into()),
         }
     }
 
@@ -180,7 +180,7 @@ impl OwnBody {
 }
 
 impl ReachableMap {
-    /// Works out where the tip of `hand` can get to, in the frame of `chest` with the body at ease, by voxels of a
+    /// Works out where the tip of `hand` can get to, in the frame of `chest` with the body in the rest posture, by voxels of a
     /// side in metres. The threads of the pool it runs in change nothing but the time.
     ///
     /// # Errors
@@ -188,7 +188,7 @@ impl ReachableMap {
     pub fn new(own: &OwnBody, hand: usize, chest: usize, voxel: f64) -> Result<ReachableMap, Error> {
         let tip = own.tip_of(hand).ok_or_else(|| {
             let limb = &own.creature().limbs()[hand];
-            Error::usage(format!("{limb} has no receptors that could reach for anything: name another limb"))
+            Error::usage(format!("{limb} has no receptors to reach with: choose another limb"))
         })?;
         ReachableMap::of_place(own, hand, tip, chest, voxel)
     }
@@ -213,11 +213,11 @@ impl ReachableMap {
         let countable = voxel > 0.0 && voxel.is_finite();
         let lattice = countable.then(|| Lattice::around(&begin, reach, voxel, MOST_VOXELS)).flatten();
         let mut reached = Reached::new(lattice.ok_or_else(|| {
-            Error::usage(format!("voxels of {voxel} m cannot be counted: give a side like 0.02"))
+            Error::usage(format!("voxels of {voxel} m are impossible: give a side such as 0.02"))
         })?);
         reached.fill(&chains[0], &chains[0].of_posture(&at_ease), 0);
         let near = reached.voxels.len();
-        // From here on every voxel keeps all coordinates: those of the arm, and the trunk's at ease.
+        // From here on every voxel keeps all coordinates: those of the arm, and the trunk's in the rest posture.
         let mut posture = at_ease.clone();
         let mut coordinates = Vec::with_capacity(near * chains[1].count());
         for number in 0..near {

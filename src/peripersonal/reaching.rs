@@ -337,8 +337,8 @@ impl<'a> Reaching<'a> {
         found
     }
 
-    /// The receptor, among some, and the point of a limb's skin that is farthest in a direction, both in the limb's frame; none
-    /// where skin without one of those receptors is.
+    /// The receptor, among some, and the point of a limb's skin that is farthest in a direction, both in the limb's frame; `None`
+    /// if skin without one of those receptors is.
     fn foremost(
         &self,
         receptors: &[usize],

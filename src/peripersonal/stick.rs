@@ -12,7 +12,7 @@ use crate::skin::{Receptor, Skin, Surface};
 /// What the place at a stick's tip is called.
 pub const STICK_TIP: &str = "stick_tip";
 
-/// A learned stick as a surface of the limb that holds it; none where it has no length.
+/// A learned stick as a surface of the limb that holds it; `None` if it has no length.
 fn surface(tool: &Tool) -> Option<Surface> {
     let along = tool.tip - tool.grip;
     let direction = along.try_normalize(1e-6)?;
@@ -28,8 +28,8 @@ fn surface(tool: &Tool) -> Option<Surface> {
 }
 
 impl OwnBody {
-    /// The body with a learned stick, whose tip is one more receptor, the last: it faces where the stick leads. None
-    /// where the stick has no length.
+    /// The body with a learned stick, whose tip is one more receptor, the last: it faces where the stick leads. `None`
+    /// if the stick has no length.
     pub fn holding(&self, tool: &Tool) -> Option<OwnBody> {
         let surface = surface(tool)?;
         let Skin { mut receptors, mut surfaces } = self.skin().clone();

@@ -1,4 +1,4 @@
-//! A planar arm of three hinges before a ball, and what the space about it is by its schema.
+//! A planar arm of three hinges in front of a ball, and its peripersonal space according to its schema.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;

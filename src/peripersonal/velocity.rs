@@ -44,7 +44,7 @@ pub struct Barrier {
     pub limb: usize,
     /// Its point, in the root's frame, metres.
     pub point: Vector3<f64>,
-    /// The other limb, and its point; none where the other moves by itself or not at all.
+    /// The other limb, and its point; `None` if the other moves independently or not at all.
     pub other: Option<(usize, Vector3<f64>)>,
     /// The unit direction from the other to the limb.
     pub normal: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! The body schema: what is learned of a body.
+//! The body schema: the learned joint positions and axes.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -30,11 +30,10 @@ pub struct BodySchema {
 /// How sure a schema is: standard deviations of its positions and axes, in the same order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SchemaStd {
-    /// Per joint, of each coordinate of `l_P`, metres; none where nothing determines it, zero where it was
-    /// known exactly.
+    /// Per joint, of each coordinate of `l_P`, metres; `None` if nothing determines it, zero where it was known exactly.
     pub positions: Vec<[Option<f64>; 3]>,
-    /// Per degree of freedom, of each of the two coordinates of `a_P` across its direction, radians; none
-    /// where nothing determines it and for a ball.
+    /// Per degree of freedom, of each of the two coordinates of `a_P` across its direction, radians; `None`
+    /// if nothing determines it and for a ball.
     pub axes: Vec<Option<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! Which receptors fire, and when: all that is left of touches where nobody knows where receptors are.
+//! Receptor firings with their times: touches without the receptors' positions.
 
 use super::SkinContact;
 

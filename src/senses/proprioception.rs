@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-12;
 /// What tells the coordinate of one degree of freedom, a ball counting as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointSensor {
-    /// The greatest amount that it tells, radians or metres; none where it tells all.
+    /// The greatest amount that it tells, radians or metres; `None` if it tells all.
     pub cutoff: Option<f64>,
     /// The standard deviation of its noise, radians or metres; 0 where it has none or the file does not enable it.
     pub noise: f64,
@@ -37,7 +37,7 @@ pub fn posture_in_words(sensors: &[Option<JointSensor>]) -> String {
     let mut text = format!("posture: read from {sensed} joint sensors");
     for (count, what) in [
         (sensors.len() - sensed, "other angles are read exactly"),
-        (count(|sensor| sensor.cutoff.is_some()), "of them read no farther than a cutoff"),
+        (count(|sensor| sensor.cutoff.is_some()), "of them have a cutoff"),
         (count(|sensor| sensor.noise > 0.0), "of them are noisy"),
     ] {
         if count > 0 {
@@ -47,7 +47,7 @@ pub fn posture_in_words(sensors: &[Option<JointSensor>]) -> String {
     text
 }
 
-/// Per degree of freedom of a body, its sensor; none where it has none.
+/// Per degree of freedom of a body, its sensor; `None` if it has none.
 pub fn joint_sensors(body: &Body) -> Vec<Option<JointSensor>> {
     let model = &body.declared;
     let (enabled, noisy) = (model.has_sensors_enabled(), model.has_sensor_noise());

@@ -1,4 +1,4 @@
-//! What is told of a touch: that it begins, and afterwards what it was, limb by limb.
+//! Sensations: the report of a touch's onset and, afterwards, of its kind, limb by limb.
 
 use nalgebra::Vector3;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What touches the skin in one step, and where.
+//! Contacts on the skin in one step, and their positions.
 
 /// A place on the skin that something touches, as exactly as the skin feels it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,10 +15,10 @@ use crate::skin::Skin;
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Input {
-    /// The receptors that fired: the paper's skin.
+    /// The receptors that fired, as in the paper.
     #[default]
     Receptor,
-    /// The points of contact as well: the skin of a recording that has them, and for comparison.
+    /// The contact points as well, for recordings that have them and for comparison.
     Contact,
 }
 
@@ -100,6 +100,6 @@ pub struct Touch {
     pub posture: Posture,
     /// The two ends; the one on the earlier limb first.
     pub ends: [TouchEnd; 2],
-    /// When and how hard it was; none where no forces were at work.
+    /// When and how hard it was; `None` if no forces were at work.
     pub moment: Option<Moment>,
 }

@@ -13,11 +13,9 @@ use crate::plausible::GREATEST_LEARNED;
 pub struct RecordedAccount {
     /// With what it was learned.
     pub basis: Basis,
-    /// Standard deviation of what the learner compares, as the touches themselves show it, metres; none where it
-    /// cannot tell.
+    /// Standard deviation of what the learner compares, as the touches themselves show it, metres; `None` if it cannot tell.
     pub deviation: Option<f64>,
-    /// What is known of the body; none where the learner cannot tell, and in records from before limbs were
-    /// accounted for.
+    /// What is known of the body; `None` if the learner cannot tell, and in records from before limbs were accounted for.
     pub account: Option<Account>,
 }
 
@@ -51,7 +49,7 @@ pub(super) struct AccountEntry {
 struct PlacedEntry {
     /// Standard deviation of the points that touches tell, metres; 0 where they tell surfaces.
     point_deviation: f64,
-    /// Whether the touches are explained to the numerical floor.
+    /// Whether the touches fit to numerical precision.
     at_floor: bool,
     /// The limbs that have skin, in the creature's order.
     limbs: Vec<PlacedLimb>,
@@ -67,7 +65,7 @@ struct PlacedLimb {
     /// All its touches; none in records from before they were counted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     made: Option<usize>,
-    /// How far off its skin may be in the frame of each limb before it in the list, at 95 %, metres; none where
+    /// How far off its skin may be in the frame of each limb before it in the list, at 95 %, metres; `None` if
     /// nothing bounds that.
     distances: Vec<Option<f64>>,
 }
@@ -134,7 +132,7 @@ impl AccountEntry {
             placed.clone().flat_map(|placed| placed.limbs.iter().flat_map(|limb| &limb.distances).flatten());
         let deviations = placed.map(|placed| &placed.point_deviation).chain(&self.touch_deviation);
         if let Some(wrong) = distances.chain(deviations).find(|x| !is_possible(x)) {
-            return Err(format!("its account has a distance or deviation of {wrong} m: {MEND}"));
+            return Err(format!("its account contains a distance or deviation of {wrong} m: {MEND}"));
         }
         let account = match (&self.determined, &self.placed) {
             (Some(found), Some(placed)) => Some(placed.account(found.observability(creature)?, creature)?),
@@ -172,7 +170,7 @@ impl PlacedEntry {
             let limb = limb.ok_or_else(|| unknown_name(&entry.limb))?;
             if entry.distances.len() != number {
                 return Err(format!(
-                    "its account of limb \"{}\" has not {number} distances: {MEND}",
+                    "its account of limb \"{}\" does not have {number} distances: {MEND}",
                     entry.limb
                 ));
             }
@@ -232,12 +230,14 @@ impl DeterminedEntry {
         let unit = match self.unit {
             None => LengthUnit::METRE,
             Some(metres) => LengthUnit::from_metres(metres).ok_or_else(|| {
-                format!("its account was learned in a unit of {metres} m, which is no power of two that suits a body: {MEND}")
+                format!("its account was learned in a unit of {metres} m, which is not a power of two suitable for a body: {MEND}")
             })?,
         };
         let (n, rows) = (parameters.len(), &self.information);
         if rows.len() != n || rows.iter().enumerate().any(|(i, row)| row.len() != i + 1) {
-            return Err(format!("its information is not the lower triangle over {n} parameters: {MEND}"));
+            return Err(format!(
+                "its information matrix is not a lower triangle over {n} parameters: {MEND}"
+            ));
         }
         // Information of two parameters together is at most the mean of that of each, which is not negative.
         let possible = |i: usize, j: usize| {
@@ -249,7 +249,7 @@ impl DeterminedEntry {
         {
             let wrong = rows[i][j];
             return Err(format!(
-                "its account has an information of {wrong} of parameters {i} and {j}, which none can be: {MEND}"
+                "its account has an impossible information of {wrong} for parameters {i} and {j}: {MEND}"
             ));
         }
         let information = DMatrix::from_fn(n, n, |i, j| rows[i.max(j)][i.min(j)]);

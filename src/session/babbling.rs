@@ -107,7 +107,7 @@ impl<'a> BabblingSession<'a> {
         let folder = lock.folder();
         for file in [SESSION_FILE, TOUCHES_FILE] {
             if folder.join(file).exists() {
-                let reason = "it is there already: give another folder with --out, or move it away";
+                let reason = "it already exists: give another folder with --out, or move it away";
                 return Err(Error::unfit(&folder.join(file), reason));
             }
         }
@@ -152,7 +152,8 @@ impl<'a> BabblingSession<'a> {
             let found = resumed.made.len();
             if found != wanted {
                 let reason = format!(
-                    "it has {found} touches of {wanted} though babbling was done: lines were added or lost; babble anew with --out"
+                    "it has {found} of {wanted} touches although babbling was complete: lines were added or lost; \
+                     babble again with --out"
                 );
                 return Err(Error::unfit(&log_file, reason));
             }
@@ -361,7 +362,7 @@ fn check_same(session: &Session, embodied: &Embodied, folder: &Path) -> Result<(
         return Err(Error::unfit(
             &folder.join(SESSION_FILE),
             format!(
-                "it was begun with MuJoCo {}, and this is {version}: go on with that one, or babble anew",
+                "it was begun with MuJoCo {}, but this is {version}: resume with that version, or babble again",
                 session.engine
             ),
         ));
@@ -374,7 +375,7 @@ fn check_same(session: &Session, embodied: &Embodied, folder: &Path) -> Result<(
         return Err(Error::unfit(
             model,
             format!(
-                "it has changed since the session in {} was begun: put it back as it was, or babble anew",
+                "it has changed since the session in {} was begun: restore it, or babble again",
                 folder.display()
             ),
         ));

@@ -1,4 +1,4 @@
-//! The bouts that a share of a session is made of, and what each cost.
+//! The log of bouts of a session's share, with the cost of each.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -68,7 +68,7 @@ fn write(to: &mut Vec<u8>, bout: &BoutLine) -> io::Result<()> {
     writer.flush()
 }
 
-/// Reads the bouts in `folder`'s [`BOUTS_FILE`]; none where there is no such file. What follows on the last whole line, as a
+/// Reads the bouts in `folder`'s [`BOUTS_FILE`]; `None` if there is no such file. What follows on the last whole line, as a
 /// killed process or a power failure leaves it, is left out.
 ///
 /// # Errors
@@ -89,9 +89,9 @@ pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, Error> {
             let mend = "remove the share's folder and make the share again";
             Error::content(&path, Some(k + 1), format!("{what}: {mend}"))
         };
-        let bout: BoutLine = bout.map_err(|error| refuse(format!("it is no bout ({error})")))?;
+        let bout: BoutLine = bout.map_err(|error| refuse(format!("not a bout ({error})")))?;
         if bouts.last().is_some_and(|last: &BoutLine| last.bout >= bout.bout) {
-            return Err(refuse(format!("bout {} does not come after the one before it", bout.bout)));
+            return Err(refuse(format!("bout {} is out of order", bout.bout)));
         }
         bouts.push(bout);
     }

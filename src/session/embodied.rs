@@ -78,7 +78,7 @@ impl ModelSource {
         let chosen = own.first().filter(|_| self.root.is_none() && !others.is_empty())?;
         let others: Vec<String> = others.into_iter().map(told).collect();
         Some(format!(
-            "{} holds several creatures: this is {}; --root chooses another of {}",
+            "{} contains several creatures; this is {}. --root selects another of {}",
             self.model.display(),
             told(chosen),
             listed(&others)
@@ -143,7 +143,7 @@ impl Embodied {
         &self.body.creature
     }
 
-    /// What the agent is given of itself: its creature and skin.
+    /// What the agent is given about itself: its creature and skin.
     pub fn agent(&self) -> &Agent {
         &self.agent
     }
@@ -163,7 +163,7 @@ impl Embodied {
     }
 
     /// All touches that a babbler of this creature makes by a policy, and what a policy that learns all that can be has
-    /// learned on the way.
+    /// learned along the way.
     pub(crate) fn touches(
         &self,
         babbler: &Babbler,
@@ -191,9 +191,9 @@ pub(crate) fn skin_for(model: &Path, body: &Body, observer: &dyn Observer) -> Re
     match (own, grown) {
         (_, 0) => {}
         (0, grown) => observer
-            .note(&format!("{model} has no touch sensors: {grown} receptors were grown on it in memory")),
+            .note(&format!("{model} has no touch sensors; {grown} receptors were grown on it in memory")),
         (own, grown) => observer.note(&format!(
-            "the touch sensors of {model}, {own} of them, leave skin bare: {grown} receptors were grown there in memory"
+            "the {own} touch sensors of {model} do not cover its skin; {grown} receptors were grown on the rest in memory"
         )),
     }
     Ok((skin, own))

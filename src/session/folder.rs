@@ -197,8 +197,8 @@ impl ReadLock {
                 Ok(_) => {}
                 Err(error) => {
                     let message = format!(
-                        "a process was killed while it put new files in their places, and the rest cannot be done ({error}): \
-                         give any command on this folder as one who may write to it"
+                        "a process was killed while it moved new files into place, and this cannot be completed \
+                         ({error}): run any command on this folder as a user with write permission"
                     );
                     return Err(Error::content(folder, None, message));
                 }
@@ -212,7 +212,7 @@ fn wait_for_readers(folder: &Path) -> Result<File, Error> {
     let opened = File::open(folder).map_err(Error::unreadable(folder))?;
     lock(&opened, PATIENCE).map_err(|_| {
         let what =
-            "a process goes on reading it, so that nothing in it can be replaced: end it, and try again";
+            "a process is still reading it, so nothing in it can be replaced: end that process and try again";
         Error::new(Kind::Busy, what).at(folder, None)
     })?;
     Ok(opened)
@@ -276,6 +276,6 @@ fn busy(folder: &Path, lock: &Path) -> Error {
     let name = fs::read_to_string(lock).unwrap_or_default();
     let name: String = name.chars().filter(|letter| !letter.is_control()).collect();
     let holder = if name.is_empty() { "another process".to_string() } else { name };
-    let what = format!("{holder} is writing it: wait for its end, or give another folder");
+    let what = format!("{holder} is writing to it: wait until it is done, or give another folder");
     Error::new(Kind::Busy, what).at(folder, None)
 }

@@ -34,7 +34,7 @@ pub struct Babbled {
     touches: Vec<RecordedTouch>,
     seed: u64,
     learning: LearningOptions,
-    /// What was learned on the way.
+    /// What was learned along the way.
     grown: Option<Growth>,
     /// How much was [`worked`] when it was done.
     worked: u64,
@@ -119,7 +119,7 @@ impl Babbled {
         let agent = self.embodied.agent();
         let disturbances = options.disturbances.disturbances();
         let felt = disturbances.felt(agent, &self.touches, options.input(), self.seed);
-        // What was learned on the way was learned of a body without the disturbances.
+        // What was learned along the way was learned of a body without the disturbances.
         let grown = self.grown.as_ref().filter(|_| disturbances.is_none());
         let mut learner = options.learner_from(&felt.agent, grown, self.seed);
         learner.end_at(options.deadline);

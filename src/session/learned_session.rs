@@ -1,4 +1,4 @@
-//! Learning from a session's touches: what it came to, and what is recorded of it.
+//! Learning from a session's touches, and recording the result.
 
 use std::path::Path;
 use std::time::Instant;
@@ -34,14 +34,13 @@ pub struct LearnedSession {
     pub record: LearningRecord,
     /// How the body changed as the learner understood it, in sentences.
     pub changes: Vec<String>,
-    /// What ended the search for an answer where there was more to be tried; none where nothing did.
+    /// What ended the search for an answer where there was more to be tried; `None` if nothing did.
     pub ended_by: Option<Limit>,
-    /// The errors; none where the truth is not at hand.
+    /// The errors; `None` if the truth is not at hand.
     pub evaluation: Option<Evaluation>,
-    /// What can be told without the truth; none where the truth is at hand or the learner cannot tell.
+    /// What can be told without the truth; `None` if the truth is at hand or the learner cannot tell.
     pub own_account: Option<OwnAccount>,
-    /// The held-out error from the same touches without the disturbances; none where there are none, or no
-    /// truth at hand.
+    /// The held-out error from the same touches without the disturbances; `None` if there are none, or no truth at hand.
     pub undisturbed_heldout_mm: Option<Summary>,
 }
 
@@ -67,7 +66,7 @@ pub fn learn_session(
     observer.phase(Phase::Learning { touches: touches.len(), each });
     let disturbances = options.disturbances.disturbances();
     let felt = disturbances.felt(agent, touches, options.input(), session.seed);
-    // What was learned on the way was learned of a body without the disturbances.
+    // What was learned along the way was learned of a body without the disturbances.
     let grown = grown.as_ref().filter(|_| disturbances.is_none());
     let mut learner = options.learner_from(&felt.agent, grown, session.seed);
     learner.end_at(options.deadline);
@@ -215,7 +214,7 @@ impl LearningTable<'_> {
     }
 }
 
-/// The schemas on the way with their errors and the bounds of these, where the truth is at hand and the touches show noise:
+/// The schemas during learning with their errors and the bounds of these, where the truth is at hand and the touches show noise:
 /// at the numerical floor there is no noise to bound an error by.
 fn checkpoints(
     passed: Vec<(usize, BodySchema)>,
@@ -278,20 +277,20 @@ fn changes(creature: &Creature, learned: &Learned) -> Vec<String> {
             }
             What::Corrected { joint, distance } => {
                 let name = &creature.joints()[*joint].name;
-                format!("{name} had been learned wrongly, by {:.1} mm", 1e3 * distance)
+                format!("{name} had been learned with an error of {:.1} mm", 1e3 * distance)
             }
             What::Tool(tool) => {
                 let length = 1e3 * (tool.tip - tool.grip).norm();
                 format!("{} holds a stick of {length:.0} mm", creature.limbs()[tool.limb])
             }
-            What::Beyond => "the body changed beyond what one joint or a stick explains".to_string(),
+            What::Beyond => "the body changed by more than one joint or a stick can explain".to_string(),
         };
-        format!("from touch {} on, understood at touch {}: {what}", change.since + 1, change.touch + 1)
+        format!("from touch {}, identified at touch {}: {what}", change.since + 1, change.touch + 1)
     };
     learned.changes.iter().map(sentence).collect()
 }
 
-/// The joints and limbs that are not located, by name; `None` where all are.
+/// The joints and limbs that are not located, by name; `None` if all are.
 fn exceptions(creature: &Creature, learned: &Learned) -> Option<String> {
     let joints = learned.undetermined().into_iter().map(|joint| creature.joints()[joint].name.clone());
     let limbs = learned.undetermined_limbs().into_iter().map(|limb| creature.limbs()[limb].clone());
@@ -320,7 +319,7 @@ fn sentence(creature: &Creature, learned: &Learned) -> String {
             match exceptions(creature, learned) {
                 None => format!("Learned: {located} are located. The schema predicts held-out touches."),
                 Some(names) => format!(
-                    "Partly learned: {located} are located, but not {names}. What is located predicts held-out touches."
+                    "Partly learned: {located} are located, but not {names}. The located part predicts held-out touches."
                 ),
             }
         }

@@ -31,7 +31,7 @@ pub struct LearningOptions {
     pub learner: &'static dyn LearnerKind,
     /// What a touch reports; where it is left out receptors, or of a recording what it holds.
     pub input: Option<Input>,
-    /// What the agent knows of its skin.
+    /// What the agent knows about its skin.
     pub skin: SkinKnowledge,
     /// Which frames points on limbs are given in.
     pub frames: LimbFrames,
@@ -75,7 +75,8 @@ impl LearningOptions {
         }
     }
 
-    /// Whether a body can grow part by part with what is given: by receptors on known surfaces or by contact points, undisturbed.
+    /// Whether a body can grow part by part with what is given: by receptors on known surfaces or from contact points,
+    /// undisturbed.
     pub fn grows(&self) -> bool {
         self.skin == SkinKnowledge::Surface
             && self.frames == LimbFrames::Joint
@@ -109,7 +110,7 @@ impl LearningOptions {
             options.check_frames(creature, true)?;
             if !options.learner.uses().known_joints {
                 let reason = format!(
-                    "the learner {} takes no prior knowledge: use --learner {}, or leave out --known",
+                    "the learner {} does not use prior knowledge: use --learner {}, or leave out --known",
                     options.learner.name(),
                     learners_that(|uses| uses.known_joints)
                 );
@@ -126,7 +127,7 @@ impl LearningOptions {
     pub(crate) fn check(&self, creature: &Creature) -> Result<(), Error> {
         if self.learner.uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
             return Err(Error::usage(format!(
-                "--learner {} learns by the surfaces under receptors: leave out --skin, or use --learner {}",
+                "--learner {} needs the surfaces under receptors: leave out --skin, or use --learner {}",
                 self.learner.name(),
                 LEARNERS[0].name()
             )));
@@ -142,20 +143,22 @@ impl LearningOptions {
         let refuse = |why: &str| Err(Error::usage(format!("--frames limb: {why}")));
         if !self.learner.uses().limb_frames {
             let able = learners_that(|uses| uses.limb_frames);
-            return refuse(&format!("only the learner {able} finds the limbs' frames: use --learner {able}"));
+            return refuse(&format!(
+                "only the learner {able} estimates the limbs' frames: use --learner {able}"
+            ));
         }
         if self.input() != Input::Contact {
             return refuse(
-                "receptors are too coarse to tell how a round limb is turned in its frame: use --input contact",
+                "receptors are too coarse to determine the orientation of a round limb in its frame: use --input contact",
             );
         }
         if known {
-            return refuse("no joint can be known a priori: leave out --known");
+            return refuse("joints cannot have prior knowledge: leave out --known");
         }
         match creature.dofs().find(|dof| dof.kind == DofKind::Ball) {
             Some(ball) => refuse(&format!(
-                "{} is a ball, whose angles are told along the axes of the joint's frame: name hinges and slides \
-                 with --joints, or use --frames joint",
+                "{} is a ball, whose angles refer to the axes of the joint's frame: select hinges and slides with \
+                 --joints, or use --frames joint",
                 ball.name
             )),
             None => Ok(()),
@@ -249,21 +252,22 @@ fn learners_that(can: fn(LearnerUses) -> bool) -> String {
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[cfg_attr(
     feature = "cli",
-    command(next_help_heading = "Disturbances, between the exact log and the learner")
+    command(next_help_heading = "Disturbances (applied to the exact log before learning)")
 )]
 pub struct DisturbanceLevels {
     /// Standard deviation of every joint angle in every touch, degrees
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = deviation))]
     #[serde(rename = "joint_noise_deg")]
     pub joint_noise: f64,
-    /// Standard deviation, per coordinate, of where the agent believes each receptor, millimetres
+    /// Standard deviation, per coordinate, of the receptor positions that the agent is given, millimetres
     #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation))]
     #[serde(rename = "receptor_noise_mm")]
     pub receptor_noise: f64,
-    /// Share of touches with a wrong receptor at one end, 0 to below 1
+    /// Share of touches with a wrong receptor at one end, at least 0 and below 1
     #[cfg_attr(feature = "cli", arg(long, value_name = "FRACTION", default_value_t = 0.0, value_parser = share))]
     pub false_touches: f64,
-    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; only `--input contact` feels it
+    /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; affects only `--input
+    /// contact`
     #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation))]
     #[serde(rename = "point_noise_mm")]
     pub point_noise: f64,
@@ -306,14 +310,14 @@ impl std::fmt::Display for DisturbanceLevels {
 #[cfg(feature = "cli")]
 fn deviation(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
-    number.ok_or("give a finite number that is not negative".into())
+    number.ok_or("give a finite number, 0 or above".into())
 }
 
 /// A share from the command line.
 #[cfg(feature = "cli")]
 fn share(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|value| (0.0..1.0).contains(value));
-    number.ok_or("give a number from 0 to below 1: 0.05 for one touch in twenty".into())
+    number.ok_or("give a number from 0 to below 1, such as 0.05 for one touch in twenty".into())
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ pub struct LearningRecord {
     pub converged: bool,
     /// The verdict in a sentence.
     pub verdict: String,
-    /// Why it did not converge; `None` where it did, and in records from before this was kept.
+    /// Why it did not converge; `None` if it did, and in records from before this was kept.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The joints that the touches do not determine, by name.
@@ -50,28 +50,28 @@ pub struct LearningRecord {
     pub undetermined_limbs: Vec<String>,
     /// Every direction in which the schema could change without any touch feeling it, in words.
     pub open_directions: Vec<String>,
-    /// The held-out error beside its bound; none where either is not known.
+    /// The held-out error beside its bound; `None` if either is not known.
     #[serde(rename = "bound_mm", alias = "bound", default, skip_serializing_if = "Option::is_none")]
     pub bound: Option<CramerRaoBound>,
     /// How sure the schema is; none in records from before it was kept.
     #[serde(skip)]
     pub account: Option<RecordedAccount>,
-    /// The schema on the way, from the initial guess on, as far as there was one.
+    /// The schema during learning, from the initial guess on, as far as there was one.
     #[serde(skip)]
     pub checkpoints: Vec<Checkpoint>,
 }
 
-/// A schema on the way.
+/// A schema during learning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// After so many touches; 0 is the initial guess, what was believed before the first.
     pub touches: usize,
     /// What was believed.
     pub schema: BodySchema,
-    /// Its held-out error over what the touches determine in the end, a root mean square, millimetres; none where
+    /// Its held-out error over what the touches determine in the end, a root mean square, millimetres; `None` if
     /// the truth was not known.
     pub error_rms: Option<f64>,
-    /// The Cramér-Rao bound of the same from so many touches, millimetres; none where it was not known.
+    /// The Cramér-Rao bound of the same from so many touches, millimetres; `None` if it was not known.
     pub bound_rms: Option<f64>,
 }
 
@@ -100,7 +100,7 @@ struct LearningFile {
 }
 
 impl LearningRecord {
-    /// The account that may be relied on; `None` where learning did not converge, and in records from before this was
+    /// The account that may be relied on; `None` if learning did not converge, and in records from before this was
     /// kept: what touches determine at a wrong schema bounds nothing.
     pub fn reliable_account(&self) -> Option<&Account> {
         self.account.as_ref().filter(|_| self.converged)?.account.as_ref()
@@ -112,18 +112,17 @@ impl LearningRecord {
         account.map_or(Certainty::Unknown, |account| Certainty::Estimated(Box::new(account)))
     }
 
-    /// How many limbs are located relative to one another, and how many have skin; `None` where the learner gives no
-    /// account.
+    /// How many limbs are located relative to one another, and how many have skin; `None` if the learner gives no account.
     pub fn located(&self) -> Option<[usize; 2]> {
         let account = self.account.as_ref()?.account.as_ref()?;
         let located = self.reliable_account().map_or(0, |account| account.located().len());
         Some([located, account.limbs().len()])
     }
 
-    /// What the bounds of exact touches assume, in a sentence; `None` where touches show noise, or nothing is bounded.
+    /// What the bounds of exact touches assume, in a sentence; `None` if touches show noise, or nothing is bounded.
     pub fn floor_note(&self) -> Option<&'static str> {
         self.reliable_account().filter(|account| account.witnesses.at_floor).map(|_| {
-            "The touches show no noise. The bounds assume the least noise that the learner does: errors are far smaller."
+            "The touches show no noise. The bounds assume the learner's minimum noise; actual errors are far smaller."
         })
     }
 
@@ -133,7 +132,9 @@ impl LearningRecord {
         let directions = if count == 1 { "1 direction".to_string() } else { format!("{count} directions") };
         match self.undetermined.is_empty() && self.undetermined_limbs.is_empty() {
             true => {
-                format!("{directions} of joints, which move no located skin relative to other located skin")
+                format!(
+                    "{directions} of joints, without effect on the positions of located limbs relative to each other"
+                )
             }
             false => format!("{directions} of joints and limbs"),
         }
@@ -157,9 +158,8 @@ impl LearningRecord {
     pub fn unknown(creature: &Creature) -> LearningRecord {
         LearningRecord {
             touches: usize::MAX,
-            verdict:
-                "The session does not say whether learning converged: `bodyschema learn` learns it again."
-                    .into(),
+            verdict: "The session does not record whether learning converged; run `bodyschema learn` again."
+                .into(),
             undetermined: creature.joints().iter().map(|joint| joint.name.clone()).collect(),
             ..LearningRecord::default()
         }
@@ -186,8 +186,7 @@ impl LearningRecord {
         STAMP.write(&folder.join(LEARNED_RECORD_FILE), &content)
     }
 
-    /// Reads [`LEARNED_RECORD_FILE`] of `folder`; none where there is no such file, as in sessions from before
-    /// there was one.
+    /// Reads [`LEARNED_RECORD_FILE`] of `folder`; `None` if there is no such file, as in sessions from before there was one.
     ///
     /// # Errors
     /// If it cannot be read, or if it is no such record, one of a
@@ -219,7 +218,7 @@ impl LearningRecord {
             content.checkpoints.iter().flat_map(|entry| [entry.error_rms_mm, entry.bound_rms_mm]);
         let all = record.bound.iter().flat_map(numbers).chain(on_the_way.flatten()).chain(record.seconds);
         if let Some(wrong) = { all }.find(|x| !(*x >= 0.0 && x.is_finite())) {
-            let message = format!("it has an error, a bound or a time of {wrong}, which none can be: {anew}");
+            let message = format!("it has an impossible error, bound or time of {wrong}: {anew}");
             return Err(refuse(message));
         }
         let account = content.account.map(|entry| entry.account(creature)).transpose();

@@ -81,7 +81,7 @@ fn within<'de, D: Deserializer<'de>>(least: f64, deserializer: D) -> Result<Opti
     let number = Option::<f64>::deserialize(deserializer)?;
     match number.filter(|x| !(least..=GREATEST).contains(x)) {
         None => Ok(number),
-        Some(wrong) => Err(D::Error::custom(format!("{wrong} is no number that this measure can have"))),
+        Some(wrong) => Err(D::Error::custom(format!("{wrong} is not a possible value"))),
     }
 }
 
@@ -96,7 +96,7 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
     }
     let bytes = files::read(&path)?;
     let refuse = |line: usize, what: String| {
-        let mend = "learn again with `bodyschema learn`, which writes the table anew";
+        let mend = "learn again with `bodyschema learn`, which rewrites the table";
         Error::content(&path, Some(line), format!("{what}: {mend}"))
     };
     let mut rows: Vec<LearningRow> = Vec::new();
@@ -105,12 +105,12 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
             csv::ErrorKind::Deserialize { err, pos } => {
                 let field = err.field().map_or(String::new(), |field| format!("cell {}: ", field + 1));
                 let line = pos.as_ref().map_or(k + 2, |pos| pos.line() as usize);
-                refuse(line, format!("it is no row of learning ({field}{})", err.kind()))
+                refuse(line, format!("not a row of learning ({field}{})", err.kind()))
             }
             csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                refuse(k + 2, format!("it has {len} cells in place of {expected_len}"))
+                refuse(k + 2, format!("it has {len} cells instead of {expected_len}"))
             }
-            _ => refuse(k + 2, format!("it is no row of learning ({error})")),
+            _ => refuse(k + 2, format!("not a row of learning ({error})")),
         })?;
         let before = rows.last().map_or(0, |last| last.touches);
         if !(before..=MOST_TOUCHES).contains(&row.touches) {

@@ -42,7 +42,7 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
     let refuse = |message: String| Err(Error::content(path, None, message));
     if read.creature != creature {
         return refuse(format!(
-            "it is the map of \"{}\", not of \"{creature}\": give the one that `bodyschema skin map` wrote of this creature",
+            "it is a map of \"{}\", not of \"{creature}\": give the one that `bodyschema skin map` wrote for this creature",
             read.creature
         ));
     }
@@ -50,8 +50,8 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
     let number = |id: &str| {
         numbers.get(id).copied().ok_or_else(|| {
             let message = format!(
-                "{creature} has no receptor \"{id}\": take it out, or give the map of this skin (`bodyschema \
-                 inspect` has the receptors)"
+                "{creature} has no receptor \"{id}\": remove it, or give the map of this skin (`bodyschema \
+                 inspect` lists the receptors)"
             );
             Error::content(path, None, message)
         })
@@ -61,24 +61,24 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
         let receptor = number(id)?;
         let found = others.iter().map(|other| number(other)).collect::<Result<Vec<usize>, Error>>()?;
         if found.contains(&receptor) {
-            return refuse(format!("\"{id}\" is its own neighbour: take it out of its list"));
+            return refuse(format!("\"{id}\" is its own neighbour: remove it from its list"));
         }
         if let Some(twice) = (1..found.len()).find(|k| found[..*k].contains(&found[*k])) {
             let other = &others[twice];
-            return refuse(format!("\"{id}\" has \"{other}\" for a neighbour twice: take one out"));
+            return refuse(format!("\"{id}\" lists its neighbour \"{other}\" twice: remove one"));
         }
         if found.len() > MOST_NEIGHBOURS {
             let count = found.len();
             return refuse(format!(
-                "\"{id}\" has {count} neighbours: leave {MOST_NEIGHBOURS} at the most, the nearest"
+                "\"{id}\" has {count} neighbours: keep only the nearest, at most {MOST_NEIGHBOURS}"
             ));
         }
         neighbours[receptor] = Some(found);
     }
     if let Some(missing) = neighbours.iter().position(Option::is_none) {
         return refuse(format!(
-            "it lists {} of the {} receptors of {creature}, and \"{}\" is none of them: give the map of this skin, in which \
-             one without neighbours has an empty list",
+            "it lists {} of the {} receptors of {creature}, and \"{}\" is none of them: give the map of this \
+             skin; a receptor without neighbours has an empty list",
             neighbours.iter().flatten().count(),
             neighbours.len(),
             skin.receptors[missing].id
@@ -89,8 +89,8 @@ pub fn read_map(path: &Path, creature: &str, skin: &Skin) -> Result<SomatotopicM
         if let Some(&other) = of.iter().find(|&&other| !neighbours[other].contains(&receptor)) {
             let [id, other] = [receptor, other].map(|r| &skin.receptors[r].id);
             return refuse(format!(
-                "\"{id}\" has \"{other}\" for a neighbour, but not the other way round: add \"{id}\" to the list of \
-                 \"{other}\", or take it out"
+                "\"{id}\" lists its neighbour \"{other}\", but not the other way round: add \"{id}\" to the list \
+                 of \"{other}\", or remove it"
             ));
         }
     }

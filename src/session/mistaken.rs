@@ -16,13 +16,13 @@ pub(crate) fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|end| MODELS.iter().any(|model| end.eq_ignore_ascii_case(model)))
 }
 
-/// Why a path is no session's folder, and the mend.
+/// Why a path is no session's folder, and the fix.
 pub(super) fn for_session(path: &Path) -> String {
     let place = path.display();
     let Ok(about) = fs::metadata(path) else {
         let near = path.parent().and_then(first_session);
         let near = near.map_or(String::new(), |near| format!(", such as {near}"));
-        return format!("there is no such folder: give one that `bodyschema babble MODEL` made{near}");
+        return format!("no such folder: give one written by `bodyschema babble MODEL`{near}");
     };
     if about.is_file() {
         let of_session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
@@ -30,39 +30,37 @@ pub(super) fn for_session(path: &Path) -> String {
             Some(folder) => format!("it is a file of a session: give its folder, {}", folder.display()),
             None if is_model(path) => {
                 format!(
-                    "it is a model's file and no session's folder: `bodyschema babble {place}` makes a session of it"
+                    "it is a model, not a session folder: `bodyschema babble {place}` makes a session from it"
                 )
             }
-            None => "it is a file and no session's folder: give a folder that `bodyschema babble MODEL` made"
+            None => "it is a file, not a session folder: give a folder written by `bodyschema babble MODEL`"
                 .into(),
         };
     }
     if path.join(STUDY_FILE).exists() {
-        return "it is a study's folder and no session's: what came out is in its study.json".into();
+        return "it is a study folder, not a session: its results are in study.json".into();
     }
     if path.join(SHARES_FOLDER).exists() {
-        return format!(
-            "it holds shares that are not put together: `bodyschema study merge {place}` does that"
-        );
+        return format!("it contains unmerged shares: merge them with `bodyschema study merge {place}`");
     }
     match first_session(path) {
-        Some(session) => format!("it holds sessions, and is none: give one of them, such as {session}"),
-        None => "it is no session's folder: give one that `bodyschema babble MODEL` made".into(),
+        Some(session) => format!("it contains sessions but is not one: give one of them, such as {session}"),
+        None => "it is not a session folder: give one written by `bodyschema babble MODEL`".into(),
     }
 }
 
-/// Why a folder is no model, and the mend; none of what may be one.
+/// Why a folder is no model, and the fix; none of what may be one.
 pub(crate) fn for_model(path: &Path) -> Option<String> {
     if !path.is_dir() {
         return None;
     }
     let model = Session::read(path).ok().map(|session| session.model).filter(|model| !model.is_empty());
     let what = match (model, first_session(path)) {
-        (Some(model), _) => format!("it is a session's folder and no model: its model is {model}"),
+        (Some(model), _) => format!("it is a session folder, not a model: its model is {model}"),
         (None, Some(session)) => {
-            format!("it is a folder of sessions, such as {session}, and no model: give an MJCF or URDF file")
+            format!("it is a folder of sessions, such as {session}, not a model: give an MJCF or URDF file")
         }
-        (None, None) => "it is a folder and no model: give an MJCF or URDF file".into(),
+        (None, None) => "it is a folder, not a model: give an MJCF or URDF file".into(),
     };
     Some(format!("{}: {what}", path.display()))
 }
@@ -73,12 +71,12 @@ pub(super) fn is_missing(error: &Error) -> bool {
     error.system().is_some_and(|kind| kinds.contains(&kind))
 }
 
-/// Why a session has no schema, and the mend.
+/// Why a session has no schema, and the fix.
 pub(super) fn for_schema(folder: &Path) -> Error {
     let place = folder.display();
     let sentence = format!(
-        "the session has touches, but nothing was learned from them yet: `bodyschema babble --resume {place}` goes on with one \
-         that was interrupted, `bodyschema learn {place}` learns from what is there"
+        "the session has touches, but nothing has been learned from them: `bodyschema babble --resume {place}` \
+         resumes an interrupted session, `bodyschema learn {place}` learns from the touches so far"
     );
     Error::new(Kind::NotLearned, sentence).at(folder, None)
 }

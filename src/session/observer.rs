@@ -56,7 +56,7 @@ pub enum Phase {
         made: usize,
         /// Touches in all, or where the body grows, the most.
         touches: usize,
-        /// Whether it ends by itself when all is known that can be touched.
+        /// Whether it ends automatically when all is known that can be touched.
         grows: bool,
         /// After which it ends in any case.
         deadline: Deadline,
@@ -83,7 +83,6 @@ pub struct LearningStep<'a> {
     pub touch: &'a Touch,
     /// The schema, where there is one at this point.
     pub schema: Option<&'a BodySchema>,
-    /// How far apart the schema before had put the surfaces that touched, metres; none where the learner predicts
-    /// nothing.
+    /// How far apart the schema before had put the surfaces that touched, metres; `None` if the learner predicts nothing.
     pub predicted_gap: Option<f64>,
 }

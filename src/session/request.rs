@@ -1,4 +1,4 @@
-//! What is asked of a session, and what is chosen for a creature where nothing is asked.
+//! The options of a session, and the defaults for a creature.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -121,8 +121,8 @@ impl SessionRequest {
         let policy = self.policy.unwrap_or(if stages { PolicyName::Stages } else { PolicyName::Random });
         if let Some(share) = self.share.filter(|_| policy != PolicyName::Random) {
             return Err(Error::usage(format!(
-                "--policy {policy} learns on the way from all touches before, which share {share} has not: leave out --shard, \
-                 or babble by --policy random"
+                "--policy {policy} learns from all earlier touches, which share {share} does not have: leave out \
+                 --shard, or use --policy random"
             )));
         }
         let learner = LearningOptions::default_learner(Some(policy).filter(|_| grows));

@@ -60,7 +60,7 @@ pub(super) struct JointEntry {
 
 /// The standard deviation of a position, metres.
 #[derive(Clone, Copy, Deserialize, Serialize)]
-#[serde(untagged, expecting = "one deviation in metres, or one for each coordinate")]
+#[serde(untagged, expecting = "one deviation in metres, or one per coordinate")]
 enum PositionStd {
     /// The same for all coordinates.
     One(f64),
@@ -104,7 +104,7 @@ pub fn write_schema(
 ) -> Result<(), Error> {
     let shape = |std: &SchemaStd| (std.positions.len(), std.axes.len());
     if std.is_some_and(|std| shape(std) != (schema.positions.len(), schema.axes.len())) {
-        let message = "the standard deviations are not those of the schema: give one for each of its numbers";
+        let message = "the standard deviations do not match the schema: give one for each of its numbers";
         return Err(Error::content(path, None, message));
     }
     check(creature, schema).map_err(|message| Error::content(path, None, message))?;
@@ -222,7 +222,7 @@ impl SchemaFile {
         match self.creature.as_ref().filter(|name| *name != creature.name()) {
             None => joints_of(&self.joints, creature),
             Some(other) => Err(format!(
-                "it is of \"{other}\", not of \"{}\": give one that was learned with the same model and joints",
+                "it belongs to \"{other}\", not to \"{}\": give one learned with the same model and joints",
                 creature.name()
             )),
         }
@@ -239,8 +239,7 @@ fn joints_of<'e>(
         let name = &entry.joint;
         let Some(joint) = creature.joints().iter().position(|joint| joint.name == *name) else {
             return Err(format!(
-                "its joint {} is \"{name}\", which {} does not have among those that move: name one that \
-                 `bodyschema inspect` lists",
+                "its joint {} is \"{name}\", which is not a moving joint of {}: choose one that `bodyschema inspect` lists",
                 i + 1,
                 creature.name()
             ));
@@ -276,14 +275,14 @@ impl JointEntry {
         let deviations = self.position_std().into_iter().flatten().flatten();
         if let Some(wrong) = { deviations }.find(|std| !is_deviation(*std)) {
             return Err(format!(
-                "has a position_std of {wrong}, and no standard deviation of {wrong} can be: give metres that are not negative, to \
-                 {GREATEST_LENGTH} at the most, or null"
+                "has a position_std of {wrong}, an impossible standard deviation: give metres from 0 to \
+                 {GREATEST_LENGTH}, or null"
             ));
         }
         let axes = self.axes.as_deref().unwrap_or_default();
         if self.axes.is_some() && axes.len() != joint.dofs.len() {
             return Err(format!(
-                "has {} axes in place of {}: give one for each degree of freedom, in their order",
+                "has {} axes instead of {}: give one for each degree of freedom, in order",
                 axes.len(),
                 joint.dofs.len()
             ));
@@ -319,15 +318,14 @@ impl JointEntry {
                 let rotation = UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner();
                 Ok(Some(Frame { rotation, origin: position.into() }))
             }
-            _ => Err("has one of limb_position and limb_quaternion: give both or none".into()),
+            _ => Err("has only one of limb_position and limb_quaternion: give both or neither".into()),
         }
     }
 
     /// What is known of a joint before the first touch; `None` if the file says only that nothing is.
     fn known(&self, index: usize, creature: &Creature) -> Result<Option<KnownJoint>, String> {
         if self.limb_position.is_some() {
-            let message = "has the pose of its limb, so that limbs are in frames of their own: give joints that were learned with \
-                           --frames joint";
+            let message = "has the pose of its limb, so limbs have their own frames: give joints learned with --frames joint";
             return Err(message.into());
         }
         // What is exact has no deviation, and that of what nothing determines is infinite.
@@ -343,21 +341,18 @@ impl JointEntry {
         if exact && (position.is_none() || axes.len() < axis_count(joint)) {
             if position.is_none() && axes.is_empty() {
                 return match self.axes.is_some() {
-                    false => {
-                        Err("has neither a position nor axes: give what is known, or leave it out".into())
-                    }
+                    false => Err("has neither a position nor axes: give one of them, or leave it out".into()),
                     true => Ok(None),
                 };
             }
             let missing = if position.is_none() { "position" } else { "axes" };
             return Err(format!(
-                "has no {missing}, and only a whole joint can be known exactly: give all of it, or deviations (position_std, \
-                 axis_std) of what is given"
+                "has no {missing}, but only a complete joint can be exact: give all of it, or standard deviations \
+                 (position_std, axis_std)"
             ));
         }
         if !exact && all.contains(&0.0) {
-            let message = "is known exactly in one part and nearly in another: give a deviation (position_std, axis_std) greater \
-                           than zero to each part, or to none";
+            let message = "is exact in one part and uncertain in another: give a deviation (position_std, axis_std) above zero for each part, or for none";
             return Err(message.into());
         }
         let axes: Vec<_> = axes.into_iter().filter(|(.., std)| std.is_finite()).collect();
@@ -371,17 +366,17 @@ impl AxisEntry {
     /// Checks that what it says of a degree of freedom can be.
     fn check(&self, name: &str, kind: DofKind) -> Result<(), String> {
         if let Some(other) = self.dof.as_ref().filter(|other| *other != name) {
-            return Err(format!("has \"{other}\" in place of \"{name}\": give them in the creature's order"));
+            return Err(format!("has \"{other}\" instead of \"{name}\": use the creature's order"));
         }
         if self.kind.is_some_and(|other| other != kind) {
-            return Err(format!("has another kind of \"{name}\": give a schema of the same joints"));
+            return Err(format!("has a different kind of \"{name}\": give a schema of the same joints"));
         }
         let axis: Vector3<f64> = match (self.axis, kind) {
             (None, DofKind::Ball) => return Ok(()),
             (Some(_), DofKind::Ball) => {
                 return Err(format!("has an axis of \"{name}\", which is a ball: leave it out"));
             }
-            (None, _) => return Err(format!("has no axis of \"{name}\": give it, or no axes at all")),
+            (None, _) => return Err(format!("has no axis for \"{name}\": give it, or no axes at all")),
             (Some(axis), _) => axis.into(),
         };
         let length = axis.norm();
@@ -396,10 +391,9 @@ impl AxisEntry {
         }
         match self.axis_std.flatten().filter(|std| !is_deviation(*std)) {
             None => Ok(()),
-            Some(wrong) => Err(format!(
-                "has an axis_std of {wrong} for \"{name}\", a standard deviation of {wrong}: give radians that are not negative, \
-                 or null"
-            )),
+            Some(wrong) => {
+                Err(format!("has an axis_std of {wrong} for \"{name}\": give radians, 0 or above, or null"))
+            }
         }
     }
 }
@@ -418,7 +412,7 @@ fn schema_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<Bod
     let (given, wanted) = (joints.len(), creature.joints().len());
     if given != wanted {
         let name = creature.name();
-        return Err(format!("it has {given} joints, but {name} has {wanted}: give one of the same joints"));
+        return Err(format!("it has {given} joints, but {name} has {wanted}: give one with the same joints"));
     }
     let mut schema = BodySchema::zero(creature);
     if joints.iter().any(|(_, entry)| entry.limb_position.is_some()) {
@@ -462,7 +456,7 @@ fn std_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<Option
         None => Ok(Some(std)),
         // One that is misspelt would be unknown in silence.
         Some(joint) => Err(format!(
-            "joint \"{joint}\" lacks a position_std or an axis_std, which others have: give it, null where nothing is known, or \
+            "joint \"{joint}\" has no position_std or axis_std, unlike others: give it (null if unknown), or \
              leave out all"
         )),
     }
@@ -471,7 +465,7 @@ fn std_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<Option
 fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
     if !schema.fits(creature) {
         return Err(format!(
-            "the schema has not {} positions and {} axes of finite numbers: give one of {}",
+            "the schema does not have {} finite positions and {} finite axes: give a schema of {}",
             creature.joints().len(),
             creature.dof_elements(),
             creature.name()
@@ -480,7 +474,7 @@ fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
     for (joint, pose) in creature.joints().iter().zip(&schema.limb_poses) {
         let turned = pose.rotation.tr_mul(&pose.rotation) - Matrix3::identity();
         if turned.amax() > UNIT_LENGTH || pose.rotation.determinant() < 0.0 {
-            return Err(format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name));
+            return Err(format!("the pose of the limb on \"{}\" has no rotation", joint.name));
         }
     }
     for (dof, axis) in creature.dofs().zip(&schema.axes) {

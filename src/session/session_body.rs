@@ -39,8 +39,7 @@ pub(crate) fn session_body(
         }
         return Err(Error::unfit(
             &path,
-            "it has not the limbs and degrees of freedom of the recording: name a model that has, or leave out \
-             --model",
+            "its limbs and degrees of freedom differ from the recording's: give another model, or leave out --model",
         ));
     }
     let SessionOptions { root, joints, .. } = &session.options;
@@ -52,7 +51,7 @@ pub(crate) fn session_body(
     if other_file || body.creature != *session.agent.creature() {
         return Err(Error::unfit(
             &source.model,
-            "it is not the model that was babbled on, or it has changed since: name the right one with --model",
+            "it is not the model of the session, or has changed since: give the right one with --model",
         ));
     }
     Ok(body)
@@ -131,7 +130,7 @@ pub(crate) fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, Error
         let hands: Vec<usize> = touching.iter().copied().filter(is_named).collect();
         if hands.is_empty() {
             return Err(Error::usage(format!(
-                "{} has no limb with receptors whose name ends in hand: name one with --hand, of {}",
+                "no limb of {} with receptors has a name that ends in hand: choose one with --hand, of {}",
                 creature.name(),
                 choice()
             )));
@@ -141,10 +140,7 @@ pub(crate) fn hands(own: &OwnBody, names: &[String]) -> Result<Vec<usize>, Error
     let named = |name: &String| {
         let limb = creature.limb(name).filter(|limb| touching.contains(limb));
         limb.ok_or_else(|| {
-            Error::usage(format!(
-                "--hand {name}: there is no such limb with receptors: choose one of {}",
-                choice()
-            ))
+            Error::usage(format!("--hand {name}: no such limb with receptors: choose one of {}", choice()))
         })
     };
     let mut hands = names.iter().map(named).collect::<Result<Vec<usize>, Error>>()?;

@@ -88,20 +88,20 @@ pub struct SessionOptions {
     /// The body at which the creature begins; none for the first of the tree with most joints.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root: Option<String>,
-    /// What a touch reports; none where nothing was to be learned.
+    /// What a touch reports; `None` if nothing was to be learned.
     pub input: Option<String>,
-    /// The learner; none where nothing was to be learned.
+    /// The learner; `None` if nothing was to be learned.
     pub learner: Option<String>,
-    /// The file of prior knowledge of joints; none where nothing was.
+    /// The file of prior knowledge of joints; `None` if nothing was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known: Option<String>,
     /// How motions were chosen; none in sessions from before there was a choice, which were random.
     #[serde(default)]
     pub policy: Option<String>,
-    /// How the body was moved; none where it was without forces.
+    /// How the body was moved; `None` if it was without forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<String>,
-    /// Which share of the session it is, as in `3/16`; none where it is all of it.
+    /// Which share of the session it is, as in `3/16`; `None` if it is all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<String>,
     /// What the command that made it was asked, with all that it chose by default, as it reads it again; null if that was no
@@ -230,7 +230,7 @@ impl BabblingProgress {
         PROGRESS.write(&folder.join(PROGRESS_FILE), self)
     }
 
-    /// Reads [`PROGRESS_FILE`] of `folder`; none where there is none that can be used.
+    /// Reads [`PROGRESS_FILE`] of `folder`; `None` if there is none that can be used.
     pub fn read(folder: &Path) -> Option<BabblingProgress> {
         PROGRESS.read(&folder.join(PROGRESS_FILE), "progress of babbling").ok()
     }

@@ -39,8 +39,7 @@ impl Shares {
     pub(crate) fn find(folder: &Path) -> Result<Shares, Error> {
         let place = folder.join(SHARES_FOLDER);
         if !place.is_dir() {
-            let message = "there are no shares in it: make them with `bodyschema babble … --shard 1/3 --out DIR`, or \
-                           with `bodyschema study`, and give that DIR";
+            let message = "it contains no shares: make them with `bodyschema babble … --shard 1/3 --out DIR`, or with `bodyschema study`, and give that DIR";
             return Err(Error::content(folder, None, message));
         }
         let io = || Error::unreadable(&place);
@@ -54,10 +53,10 @@ impl Shares {
         }
         let mut counts = begun.keys().map(|share| share.of());
         let Some(of) = counts.next() else {
-            return Err(Error::content(&place, None, "there is no share in it: make one with --shard"));
+            return Err(Error::content(&place, None, "it contains no share: make one with --shard"));
         };
         if let Some(other) = counts.find(|other| *other != of) {
-            let message = format!("there are shares of {of} and of {other}: remove those of one kind");
+            let message = format!("it contains shares of {of} and of {other}: remove one kind");
             return Err(Error::content(&place, None, message));
         }
         Ok(Shares { of, begun })
@@ -106,10 +105,10 @@ pub trait ShareRecord: Sized {
     /// Whether this record of a folder is that of what is asked for.
     fn check(&self, folder: &Path, asked: &Self) -> Result<(), Error> {
         let why = match self.difference(asked) {
-            _ if self.share() != asked.share() => "it is not of the share asked for".to_string(),
+            _ if self.share() != asked.share() => "it belongs to another share".to_string(),
             Some(difference) => {
                 let of = Self::OF;
-                format!("it is of another {of} than the one asked for ({difference})")
+                format!("it belongs to another {of} ({difference})")
             }
             None => return Ok(()),
         };
@@ -155,7 +154,7 @@ pub(crate) fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<Made
         let unfit = |why: String| Err(Error::unfit(&folder.join(R::FILE), why));
         if record.share() != Some(share.to_string().as_str()) {
             return unfit(format!(
-                "it is not of share {share}: move it where it belongs, or make that share again"
+                "it does not belong to share {share}: move it where it belongs, or make that share again"
             ));
         }
         match made.first() {
@@ -163,7 +162,7 @@ pub(crate) fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<Made
             Some((_, other, first)) => {
                 if let Some(difference) = first.difference(&record) {
                     return unfit(format!(
-                        "it is not of the {} that {} is of ({difference}): make one of them again",
+                        "it belongs to another {} than {} ({difference}): make one of them again",
                         R::OF,
                         other.display()
                     ));
@@ -185,7 +184,7 @@ pub(super) fn bouts_of_share(folder: &Path, share: Share) -> Result<Vec<BoutLine
         None => Ok(bouts),
         Some((own, _)) => {
             let reason = format!(
-                "line {} is not of bout {}: lines were added or lost; remove {} and make the share again",
+                "line {} does not belong to bout {}: lines were added or lost; remove {} and make the share again",
                 own + 1,
                 share.piece(own as u64),
                 folder.display()
@@ -235,10 +234,10 @@ impl ShareRecord for Session {
         };
         let mut pairs = facts(self).into_iter().zip(facts(other));
         if let Some(((what, one), (_, other))) = pairs.find(|(one, other)| one != other) {
-            return Some(format!("one is of {what} {one}, the other of {what} {other}"));
+            return Some(format!("{what} {one} against {what} {other}"));
         }
         let same = self.model_hash == other.model_hash && self.agent.creature() == other.agent.creature();
-        (!same).then(|| format!("{} is not the same model for both", self.model))
+        (!same).then(|| format!("{} is a different model", self.model))
     }
 }
 

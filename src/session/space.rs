@@ -1,4 +1,4 @@
-//! Slices of where a creature's hands can get to, as a session keeps them for its report.
+//! Slices of the hands' reachable workspace, stored in a session for its report.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ const LEAST_VOXEL: f64 = 1e-4;
 /// Litres at the most: those of a cube of ten kilometres.
 const GREATEST_LITRES: f64 = 1e15;
 
-/// Three slices through the maps of the hands, in the frame of the chest at ease.
+/// Three slices through the maps of the hands, in the frame of the chest in the rest posture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct SpaceRecord {
@@ -53,7 +53,7 @@ pub struct SpaceSlice {
     /// A row of voxels each, the lowest first, a digit per voxel: 0 out of reach, 1 far for one hand, 2 far for
     /// more, 3 near for one hand, 4 near for more.
     pub rows: Vec<String>,
-    /// Outlines of the limbs at ease along both axes, metres.
+    /// Outlines of the limbs in the rest posture along both axes, metres.
     pub outlines: Vec<Vec<[f64; 2]>>,
 }
 
@@ -80,7 +80,7 @@ impl SpaceRecord {
         match record.fault() {
             None => Ok(Some(record)),
             Some(fault) => {
-                let message = format!("it has {fault}: make it anew with `bodyschema reach`");
+                let message = format!("it has {fault}: run `bodyschema reach` again");
                 Err(Error::content(&path, None, message))
             }
         }
@@ -94,10 +94,10 @@ impl SpaceRecord {
         });
         let litres = self.litres.iter().flatten().all(|litres| (0.0..=GREATEST_LITRES).contains(litres));
         if !((LEAST_VOXEL..=GREATEST_LENGTH).contains(&self.voxel) && litres && { places }.all(is_length)) {
-            return Some("a size or a place that cannot be".into());
+            return Some("an impossible size or position".into());
         }
         if self.hands.len() != self.litres.len() {
-            return Some("not the volumes of every hand".into());
+            return Some("no volumes for some hand".into());
         }
         let right = |slice: &SpaceSlice| {
             let digits = |row: &String| row.bytes().all(|digit| (b'0'..=b'4').contains(&digit));

@@ -64,7 +64,7 @@ impl Stamp {
         let mend = format!("give a file that begins with \"format\":\"{format}\",\"version\":{version}");
         let found: StatedFormat = serde_json::from_slice(json).map_err(|error| {
             let line = line.or(Some(error.line()).filter(|&line| line > 0));
-            let message = format!("it states no format that can be read ({}): {mend}", json_reason(&error));
+            let message = format!("it states no readable format ({}): {mend}", json_reason(&error));
             Error::content(path, line, message)
         })?;
         let refuse = |message: String| Err(Error::content(path, line, message));
@@ -74,11 +74,11 @@ impl Stamp {
                 refuse(format!("its format is \"{other}\", not \"{format}\": {mend}"))
             }
             (_, Some(newer)) if newer > version => refuse(format!(
-                "it was written by a newer version of bodyschema (version {newer} of the format, known \
-                 is {version}): update bodyschema"
+                "it was written by a newer version of bodyschema (format version {newer}, supported {version}): \
+                 update bodyschema"
             )),
             (_, Some(known)) if known == version => Ok(()),
-            _ => refuse(format!("it states no version of its format that exists: {mend}")),
+            _ => refuse(format!("it states an unknown version of its format: {mend}")),
         }
     }
 }
@@ -120,7 +120,7 @@ pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
             Err(error) if last && incomplete(&json, &error) => end.incomplete = Some(line),
             Err(error) => {
                 let reason = json_reason(&error);
-                let fault = format!("it is no {what} ({reason}): mend the line or delete it");
+                let fault = format!("not a valid {what} ({reason}): correct the line or delete it");
                 return Err(refuse(line)(fault));
             }
         }
@@ -140,12 +140,12 @@ pub(super) fn read_header<H: DeserializeOwned>(
 ) -> Result<H, Error> {
     let refuse = |message: String| Error::content(path, Some(line), message);
     if json.iter().all(|byte| *byte == 0 || byte.is_ascii_whitespace()) {
-        return Err(refuse("there is no header: give a whole log, or record again".into()));
+        return Err(refuse("it has no header: give a complete log, or record again".into()));
     }
     stamp.check(path, Some(line), json)?;
     serde_json::from_slice(json).map_err(|error| {
         let reason = json_reason(&error);
-        refuse(format!("it is no header of a log ({reason}): mend the line or record again"))
+        refuse(format!("not a log header ({reason}): correct the line or record again"))
     })
 }
 

@@ -61,9 +61,9 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
     let receptors = skin.numbers();
     let check = |header: FiringHeader| match header.creature {
         found if found == creature => Ok(()),
-        found => {
-            Err(format!("its firings are of \"{found}\", not of \"{creature}\": give the log of one session"))
-        }
+        found => Err(format!(
+            "its firings belong to \"{found}\", not to \"{creature}\": give the log of one session"
+        )),
     };
     let mut firings = Vec::new();
     read_log(path, (STAMP, "firing"), check, |found| {
@@ -76,12 +76,12 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
 fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, String> {
     let id = &line.receptor;
     let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
-        format!("the skin has no receptor \"{id}\": mend the line, or give the session it was recorded in")
+        format!("the skin has no receptor \"{id}\": correct the line, or give the session it was recorded in")
     })?;
     let span = [line.first, line.last];
     if span.iter().any(|time| !time.is_finite() || time.abs() > 1e9) || span[0] > span[1] {
         return Err(format!(
-            "receptor \"{id}\" cannot have fired from {} to {} s: give times in their order, or delete the line",
+            "receptor \"{id}\" cannot have fired from {} to {} s: give times in order, or delete the line",
             span[0], span[1]
         ));
     }
@@ -138,7 +138,7 @@ pub fn record_strokes(
         Ok::<(), Error>(())
     })?;
     if !room {
-        return Err(Error::unfit(model, "there is no room to stroke this creature"));
+        return Err(Error::unfit(model, "this creature has no surface that can be stroked"));
     }
     firings.extend(recorder.rest());
     session.write(folder)?;

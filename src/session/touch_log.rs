@@ -48,7 +48,7 @@ pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, Error> {
     let end = read_log(path, (STAMP, "touch"), check, |found: FoundLine| {
         let touch = touch(found, agent, &receptors)?;
         if !told.insert(print(&touch)) {
-            return Err("it is a touch that was told before: delete the line".into());
+            return Err("it repeats an earlier touch: delete the line".into());
         }
         log.touches.push(touch);
         Ok(())
@@ -84,8 +84,8 @@ impl TouchHeader {
         }
         if self.creature != creature.name() || self.coordinates != creature.coordinates() {
             return Err(format!(
-                "its touches are of \"{}\" with {} coordinates, not of \"{}\" with {}: give the model and the joints that they \
-                 were recorded with",
+                "its touches belong to \"{}\" with {} coordinates, not to \"{}\" with {}: give the model and \
+                 joints they were recorded with",
                 self.creature,
                 self.coordinates,
                 creature.name(),
@@ -102,21 +102,21 @@ fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> R
     let end = |k: usize| -> Result<TouchEnd, String> {
         let id = &found.receptors[k];
         let &receptor = receptors.get(id.as_str()).ok_or_else(|| {
-            format!("the skin has no receptor \"{id}\": give the skin that the touches were recorded with")
+            format!("the skin has no receptor \"{id}\": give the skin the touches were recorded with")
         })?;
         let limb = &agent.creature().limbs()[skin.receptors[receptor].limb];
         if found.limbs[k] != *limb {
             return Err(format!(
-                "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin that the touches were \
-                 recorded with, or mend the line",
+                "receptor \"{id}\" is on limb {limb}, not on \"{}\": give the skin the touches were recorded \
+                 with, or correct the line",
                 found.limbs[k]
             ));
         }
         let away = (vector(&found.positions[k]) - skin.receptors[receptor].position).norm();
         if away.is_nan() || away > SAME_POSITION {
             return Err(format!(
-                "the position of receptor \"{id}\" is not the skin's: give the skin that the touches were \
-                 recorded with, or mend the line"
+                "the position of receptor \"{id}\" differs from the skin's: give the skin the touches were \
+                 recorded with, or correct the line"
             ));
         }
         Ok(TouchEnd::at(receptor))
@@ -126,7 +126,7 @@ fn touch(found: FoundLine, agent: &Agent, receptors: &HashMap<&str, usize>) -> R
     let moment = match (found.time, found.force, found.depth) {
         (None, None, None) => None,
         (Some(time), Some(force), Some(_)) => Some(Moment { time, force }),
-        _ => return Err("it has some of time, force and depth: give all three or none".into()),
+        _ => return Err("it has only some of time, force and depth: give all three or none".into()),
     };
     let contact = ExactContact {
         points: found.contacts.map(|point| vector(&point)),
@@ -200,9 +200,8 @@ pub(super) struct TouchLine<S, P, V> {
 pub(super) fn met<'a>(touch: &Touch, agent: &'a Agent) -> Result<[(&'a Receptor, &'a str); 2], String> {
     let of_end = |end: TouchEnd| -> Result<(&'a Receptor, &'a str), String> {
         let receptor = agent.skin().receptors.get(end.receptor);
-        let receptor = receptor.ok_or_else(|| {
-            format!("receptor {} (from 0) is not in the skin: give one that is", end.receptor)
-        })?;
+        let receptor =
+            receptor.ok_or_else(|| format!("the skin has no receptor {} (counted from 0)", end.receptor))?;
         Ok((receptor, agent.creature().limbs()[receptor.limb].as_str()))
     };
     Ok([of_end(touch.ends[0])?, of_end(touch.ends[1])?])
@@ -210,12 +209,12 @@ pub(super) fn met<'a>(touch: &Touch, agent: &'a Agent) -> Result<[(&'a Receptor,
 
 /// Checks that a touch is one of the creature and its skin, and that its numbers are usable.
 ///
-/// The error is a sentence that names what is wrong and its mend.
+/// The error is a sentence that names what is wrong and its fix.
 pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> {
     let creature = agent.creature();
     if touch.posture.len() != creature.coordinates() {
         return Err(format!(
-            "its posture has {} numbers but {} has {} coordinates: give as many, or leave the touch out",
+            "its posture has {} numbers, but {} has {} coordinates: correct it, or leave the touch out",
             touch.posture.len(),
             creature.name(),
             creature.coordinates()
@@ -225,7 +224,7 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
     let [(a, limb), (b, _)] = met(touch, agent)?;
     if a.limb == b.limb {
         return Err(format!(
-            "both \"{}\" and \"{}\" are on limb {limb}, but a touch needs two limbs: leave it out",
+            "\"{}\" and \"{}\" are both on limb {limb}, but a touch needs two limbs: leave it out",
             a.id, b.id
         ));
     }
@@ -248,7 +247,9 @@ pub(super) fn check(touch: &RecordedTouch, agent: &Agent) -> Result<(), String> 
 fn check_coordinates(dof: &DofElement, coordinates: &[f64]) -> Result<(), String> {
     let (name, [low, high], first) = (&dof.name, dof.range, coordinates[0]);
     if !coordinates.iter().all(|x| x.is_finite()) {
-        return Err(format!("the posture's {name} is not a finite number: give one, or leave the touch out"));
+        return Err(format!(
+            "the posture's {name} is not a finite number: correct it, or leave the touch out"
+        ));
     }
     // Beyond its range by a whole turn it would be another angle with the turn taken off.
     let beyond = (low - first).max(first - high);
@@ -278,7 +279,7 @@ fn check_contact(receptor: &Receptor, point: &Vector3<f64>, deviation: Option<f6
     let id = &receptor.id;
     if !point.iter().all(|x| x.is_finite()) {
         return Err(format!(
-            "the contact at \"{id}\" is not three finite numbers: give them, or leave the touch out"
+            "the contact at \"{id}\" is not three finite numbers: correct it, or leave the touch out"
         ));
     }
     if let Some(fault) = place_fault(point) {
@@ -288,14 +289,14 @@ fn check_contact(receptor: &Receptor, point: &Vector3<f64>, deviation: Option<f6
     let away = (point - receptor.position).norm();
     if away > FAR * (reach + LEAST_REACH) {
         return Err(format!(
-            "the contact at \"{id}\" is {away:.3} m from it: give metres in the limb's frame, or leave the touch out"
+            "the contact at \"{id}\" is {away:.3} m from the receptor: give metres in the limb's frame, or leave \
+             the touch out"
         ));
     }
     match deviation.filter(|std| !(is_deviation(*std) && std.is_finite())) {
         None => Ok(()),
         Some(wrong) => Err(format!(
-            "the contact's deviation at \"{id}\" is {wrong}: give metres that are not negative, to {GREATEST_LENGTH} at \
-             the most, or null"
+            "the contact's deviation at \"{id}\" is {wrong}: give metres from 0 to {GREATEST_LENGTH}, or null"
         )),
     }
 }

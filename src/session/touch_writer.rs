@@ -40,7 +40,7 @@ fn open_alone(path: &Path) -> Result<File, Error> {
     let opened = OpenOptions::new().append(true).create(true).open(path);
     let file = opened.map_err(Error::unwritable(path))?;
     lock(&file, Duration::ZERO).map_err(|_| {
-        Error::content(path, None, "another process is writing it: wait for its end, or end it")
+        Error::content(path, None, "another process is writing to it: wait until it is done, or end it")
     })?;
     Ok(file)
 }
@@ -57,7 +57,7 @@ impl<'a> TouchWriter<'a> {
         let file = open_alone(&path)?;
         let about = file.metadata().map_err(Error::unwritable(&path))?;
         if about.len() > 0 {
-            let message = "there is a log already: give another folder with --out, or move it away";
+            let message = "a log already exists: give another folder with --out, or move it away";
             return Err(Error::content(&path, None, message));
         }
         TouchWriter::of(path, file, agent, Vec::new(), 0)
@@ -112,7 +112,7 @@ impl<'a> TouchWriter<'a> {
             match line.last() {
                 Some(b'\n') => (self.passed, self.lines) = (self.passed + line.len(), self.lines + 1),
                 Some(_) => {
-                    let message = "it is no whole line: delete it";
+                    let message = "incomplete line: delete it";
                     return Err(Error::content(&self.path, Some(self.lines + 1), message));
                 }
                 None => return Ok(skipped),
@@ -154,8 +154,7 @@ impl<'a> TouchWriter<'a> {
     /// more than was written now.
     pub fn finish(self) -> Result<(), Error> {
         if !self.next_left().is_empty() {
-            let message =
-                "there are more touches than the session is of: delete this line and those after it";
+            let message = "more touches than the session has: delete this line and all after it";
             return Err(Error::content(&self.path, Some(self.lines + 1), message));
         }
         match self.file.sync_all() {
@@ -190,8 +189,8 @@ impl<'a> TouchWriter<'a> {
             return Err(Error::content(
                 &self.path,
                 Some(self.lines + 1),
-                "it is not what is babbled here: it was changed, or made by another version of bodyschema; \
-                 babble anew into another folder with --out",
+                "it differs from what is babbled here: it was edited, or made by another version of bodyschema; \
+                 babble again into another folder with --out",
             ));
         }
         self.file.write_all(&self.buffer[there..]).map_err(Error::unwritable(&self.path))?;

@@ -278,7 +278,7 @@ impl ConservativeAdvancement {
     }
 
     /// The gap of an encounter's geoms at `t`, and its rate of change, metres and metres per unit: of capsules, or of other
-    /// convex shapes; none where nothing is known of a shape.
+    /// convex shapes; `None` if nothing is known of a shape.
     pub fn gap(&mut self, encounter: &Encounter, t: f64) -> Option<(f64, f64)> {
         self.place_limbs(t);
         let pair = self.touchable.pairs[encounter.pair];
@@ -436,7 +436,7 @@ impl ConservativeAdvancement {
         kept_apart(&normal).max(distance / self.pairs[k].speed)
     }
 
-    /// The shapes of two geoms of a limb pair where the limbs are; none where nothing is known of one.
+    /// The shapes of two geoms of a limb pair where the limbs are; `None` if nothing is known of one.
     fn solids(&self, pair: &ClusterPair, bounds: [u32; 2]) -> Option<[PlacedShape<'_>; 2]> {
         let solid = |side: usize| {
             let solid = self.touchable.bounds[bounds[side] as usize].solid.as_ref()?;

@@ -25,7 +25,7 @@ pub struct AgentHandle {
 }
 
 impl AgentHandle {
-    /// What it is given of itself.
+    /// What it is given about itself.
     pub fn agent(&self) -> &Agent {
         self.stage.agent()
     }
@@ -72,7 +72,7 @@ impl AgentHandle {
     }
 
     /// Holds out the hand of a receptor for a stick, which a partner puts there if there is one: the number that other skin
-    /// feels it as; none where no stick came.
+    /// feels it as; `None` if no stick came.
     ///
     /// # Errors
     /// Where the engine fails.

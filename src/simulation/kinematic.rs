@@ -234,7 +234,7 @@ impl<'a> KinematicMotion<'a> {
         self.meeting(encounter, at).map_or(t, |_| at)
     }
 
-    /// The gap and how fast it opens at `t`; none where surfaces do not meet there.
+    /// The gap and how fast it opens at `t`; `None` if surfaces do not meet there.
     fn meeting(&mut self, encounter: &Encounter, t: f64) -> Option<(f64, f64)> {
         self.clearance.gap(encounter, t).filter(|(gap, _)| gap.abs() <= 2.0 * DEEPEST)
     }

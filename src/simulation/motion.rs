@@ -65,7 +65,7 @@ impl std::ops::AddAssign for Effort {
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum MotionName {
-    /// Straight through its postures, without forces.
+    /// Straight from posture to posture, without forces.
     #[default]
     Kinematic,
     /// By servos, under gravity, at human speeds.
@@ -132,7 +132,7 @@ impl<'a> Movers<'a> {
     pub fn new(body: &'a Body, agent: &'a Agent, motion: MotionName) -> Result<Movers<'a>, Error> {
         if agent.skin().receptors.is_empty() {
             let sentence =
-                "the model has no touch sensors: grow a skin with `bodyschema skin MODEL --out NEW`";
+                "the model has no touch sensors; grow a skin with `bodyschema skin MODEL --out NEW`";
             return Err(Error::model(sentence));
         }
         let SelfContact { left_out, start, .. } = SelfContact::new(body)?;
@@ -144,8 +144,9 @@ impl<'a> Movers<'a> {
             return Err(Error::new(
                 Kind::NoContact,
                 format!(
-                    "no two of its limbs can touch: all that bear surface carry one another or overlap for good \
-                     (`bodyschema inspect` has the table), so no touch can determine {joints}; give limbs that reach each other"
+                    "no two of its limbs can touch: all limbs with a surface are neighbours or always overlap \
+                     (see `bodyschema inspect`), so touches cannot determine {joints}; give limbs that reach each \
+                     other"
                 ),
             ));
         }

@@ -1,4 +1,4 @@
-//! What of a body can touch what: its geoms with bounds about them, and the pairs of limbs whose geoms can meet.
+//! Possible contacts of a body: its geoms with bounding volumes, and the pairs of limbs whose geoms can touch.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub(super) struct BoundedGeom {
     pub reach: f64,
     /// Whether the geom is its capsule.
     pub exact: bool,
-    /// The geom itself; none where nothing is known of its shape.
+    /// The geom itself; `None` if nothing is known of its shape.
     pub solid: Option<Surface>,
     /// How thick it is at least, metres; infinite where nothing is known of its shape.
     thickness: f64,
@@ -203,14 +203,14 @@ impl TouchablePairs {
         &self.clusters[pair.clusters[side] as usize].levers[pair.inner[side] as usize..]
     }
 
-    /// The pair of two clusters, the lesser number first; none where they cannot touch.
+    /// The pair of two clusters, the lesser number first; `None` if they cannot touch.
     pub fn pair_of(&self, [first, second]: [usize; 2]) -> Option<usize> {
         let (begin, end) = (self.first_pair[first] as usize, self.first_pair[first + 1] as usize);
         let of_first = &self.pairs[begin..end];
         Some(begin + of_first.binary_search_by_key(&(second as u32), |pair| pair.clusters[1]).ok()?)
     }
 
-    /// The encounter of two geoms, in either order; none where they cannot touch, or are joined.
+    /// The encounter of two geoms, in either order; `None` if they cannot touch, or are joined.
     pub fn encounter(&self, geoms: [usize; 2]) -> Option<Encounter> {
         let at = self.found.binary_search_by_key(&sorted(geoms), |(geoms, _)| *geoms).ok()?;
         let place = self.found[at].1;

@@ -37,7 +37,7 @@ impl ProximityGeometry {
     }
 
     /// How far it reaches beyond the surfaces of its aura limb at the least, metres, where limbs are at `X_CL`, below 0
-    /// where it does not hold them; none where the aura limb has no surface.
+    /// where it does not hold them; `None` if the aura limb has no surface.
     pub fn reach(&self, creature: &Creature, skin: &Skin, frames: &[Frame]) -> Option<f64> {
         let limbs = &creature.aura_limbs()[self.aura_limb].limbs;
         Some(self.capsule.radius - girth(limbs, skin, frames, self.limb, &self.capsule)?)
@@ -99,7 +99,7 @@ fn outline(limbs: &[usize], skin: &Skin, frames: &[Frame], limb: usize) -> Vec<V
 }
 
 /// The radius of a capsule with the segment of `about`, in the frame of `limb`, that just holds the surfaces of some limbs;
-/// none where there are none. Capsules and balls are measured as they are, others by points of their outline.
+/// `None` if there are none. Capsules and balls are measured as they are, others by points of their outline.
 fn girth(limbs: &[usize], skin: &Skin, frames: &[Frame], limb: usize, about: &Capsule) -> Option<f64> {
     let to_limb = frames[limb].inverse();
     let of_ball = |centre: Vector3<f64>, radius: f64| {

@@ -1,4 +1,4 @@
-//! The surfaces of the limbs: what an agent knows of their shape.
+//! The surfaces of the limbs, as known to the agent.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ impl Surface {
         Frame { rotation: self.rotation, origin: self.origin }
     }
 
-    /// The surface's shape where the limb's frame is at `X_CL`; none where it is known only by its receptors.
+    /// The surface's shape where the limb's frame is at `X_CL`; `None` if it is known only by its receptors.
     #[inline]
     pub fn placed(&self, limb: &Frame) -> Option<PlacedShape<'_>> {
         PlacedShape::new(&self.shape, self.pose(), *limb)

@@ -8,7 +8,7 @@ use crate::session::{DisturbanceLevels, LearningOptions};
 
 pub(super) const STUDY: Study = Study {
     name: "disturbances",
-    about: "what it costs lm when the senses are wrong",
+    about: "effect of noise and false touches on lm",
     of: Studied::Learning,
     touches: Some(1000),
     seconds: None,
@@ -28,7 +28,7 @@ pub(super) const STUDY: Study = Study {
     ],
     notes: &[
         "heldout_mm: mean held-out error on the true skin. noise_estimate_mm: the learner's own estimate of the deviation of a \
-         touch's gap, at least 0.001 mm, of the trials that converged.",
+         touch's gap, at least 0.001 mm, over the trials that converged.",
         "Joint noise is a standard deviation per angle and touch, receptor noise one per coordinate, drawn once per trial; \
          false touches have a random receptor at one end.",
     ],

@@ -1,4 +1,4 @@
-//! Where Hersch's rule gets to, by what it starts from and by what it is given.
+//! The error of Hersch's rule by initial guess and by kind of data.
 //!
 //! Hersch et al. (2008) give the rule where a hand is seen; the paper gives it touches instead. Here the same rule, from the same
 //! initial guesses at the same postures, is given receptors' centres (the paper's input), exact points of contact, and exact
@@ -24,7 +24,7 @@ use crate::senses::RecordedTouch;
 
 pub(super) const STUDY: Study = Study {
     name: "hersch",
-    about: "where Hersch's rule gets to, by touch and by vision, from near the truth and from far",
+    about: "error of Hersch's rule, from touch and from vision, starting near the truth and far from it",
     of: Studied::Learning,
     // The rule is slow: after as many, once each, it has found no body from any initial guess.
     touches: Some(20_000),
@@ -43,12 +43,12 @@ pub(super) const STUDY: Study = Study {
         Column::new("axis_deg", &[By::Median]),
     ],
     notes: &[
-        "heldout_mm: mean held-out error, below_20_mm and below_50_mm: the trials that end there; before_mm: the same before the \
-         first touch. axis_deg: the median angle between learned and true axes.",
-        "Initial guesses have small random positions; their axes are the true ones turned by an angle about random directions \
-         across them, or random.",
-        "Vision: at the postures of the touches, a random receptor of one limb as another limb has it, exactly: of the two limbs \
-         that touch, or of any two.",
+        "heldout_mm: mean held-out error; below_20_mm and below_50_mm: trials that end below these; before_mm: \
+         the same error before the first touch. axis_deg: median angle between learned and true axes.",
+        "Initial guesses have small random positions; their axes are random, or the true ones rotated by an angle \
+         about random perpendicular directions.",
+        "Vision: at the postures of the touches, the exact position of a random receptor of one limb in the frame \
+         of another: the two limbs that touch, or any two.",
     ],
     run,
 };

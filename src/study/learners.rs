@@ -1,4 +1,4 @@
-//! How far each learner gets with how many touches.
+//! The error of each learner by number of touches.
 
 use serde_json::json;
 
@@ -10,7 +10,7 @@ use crate::session::LearningOptions;
 
 pub(super) const STUDY: Study = Study {
     name: "learners",
-    about: "how far each learner gets with how many touches",
+    about: "error of each learner by number of touches",
     of: Studied::Learning,
     touches: Some(1000),
     seconds: None,
@@ -26,8 +26,8 @@ pub(super) const STUDY: Study = Study {
         Column::new("work_s", &[By::Median]),
     ],
     notes: &[
-        "heldout_mm: mean held-out error. converged: by the learner's own verdict; hersch and gradient have none, and \
-              10 mm of held-out error or less counts. work_s: the work of learning, in seconds of one core.",
+        "heldout_mm: mean held-out error. converged: the learner's own verdict; for hersch and gradient, which \
+         have none, a held-out error of at most 10 mm. work_s: work of learning, in seconds of one core.",
     ],
     run,
 };

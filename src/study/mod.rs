@@ -1,4 +1,4 @@
-//! Studies: cases measured over seeds, and a table of what came out.
+//! Studies: cases measured over seeds, and a table of the results.
 //!
 //! A [`Study`] is a function from a seed to rows of named values, one or more for each of its cases. A trial depends on its
 //! seed alone, so [`StudyRun`] makes trials on all cores, goes on where it was interrupted, and leaves shares of the trials to

@@ -1,4 +1,4 @@
-//! Making the trials of a study, and what they come to together.
+//! Running the trials of a study and summarizing them.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,24 +23,23 @@ const LEARNED_FROM: usize = 1000;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct StudyOptions {
-    /// Trials, each with touches and initial guesses of its own
+    /// Number of trials, each with its own touches and initial guesses
     #[cfg_attr(feature = "cli", arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS)))]
     pub trials: u64,
-    /// Seed of the first trial; the next ones count on from it
+    /// Seed of the first trial; the others follow consecutively
     #[cfg_attr(feature = "cli", arg(long, default_value_t = 1))]
     pub seed: u64,
-    /// Only this case: its name, or a part of the names of several; can be given several times
+    /// Only this case: its name, or a part of several names; repeatable
     #[cfg_attr(feature = "cli", arg(long = "case", visible_alias = "way", value_name = "CASE"))]
     pub cases: Vec<String>,
-    /// Touches of a trial, of studies that babble; of acting, from which the body is learned [default: 1000; of hersch 20000]
+    /// Touches per trial, for studies that babble; for acting, those that the body is learned from [default: 1000;
+    /// 20000 for hersch]
     #[cfg_attr(feature = "cli", arg(long, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..)))]
     pub touches: Option<usize>,
-    /// Work that a case may take, its touches included, of the study bodies: about what one core does in so many seconds
-    /// [default: 50]
+    /// For the study bodies: work per case, touches included, in units of about one second on one core [default: 50]
     #[cfg_attr(feature = "cli", arg(long))]
     pub seconds: Option<f64>,
-    /// The session in which the creature has learned its body, of the study acting [default: it babbles and learns by the first
-    /// seed]
+    /// For the study acting: the session with the learned body [default: babble and learn with the first seed]
     #[cfg_attr(feature = "cli", arg(long, value_name = "SESSION"))]
     pub session: Option<PathBuf>,
 }
@@ -117,7 +116,7 @@ impl Trial<'_> {
     /// # Errors
     /// If the seeds make it.
     pub fn subject(&self) -> Result<&Subject, Error> {
-        self.subject.ok_or_else(|| Error::usage("this study is of no creature that is named"))
+        self.subject.ok_or_else(|| Error::usage("this study takes no creature"))
     }
 
     /// Whether a case is asked for.
@@ -138,7 +137,7 @@ impl Asked {
             one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
                 same if same == value => None,
                 Value::Object(_) if value.is_object() => differing(value, &other[name]),
-                another => Some(format!("one's {name} is {value}, the other's {another}")),
+                another => Some(format!("{name} is {value} in one, {another} in the other")),
             })
         }
         differing(&json!(self), &json!(other))
@@ -147,7 +146,7 @@ impl Asked {
     fn study(&self) -> Result<&'static Study, Error> {
         Study::of_name(&self.study).ok_or_else(|| {
             Error::usage(format!(
-                "there is no study {} in this version: make it by the version that it was begun by",
+                "this version has no study {}: finish it with the version that began it",
                 self.study
             ))
         })
@@ -190,12 +189,12 @@ impl StudyRun {
     ) -> Result<StudyRun, Error> {
         let acts = study.of == Studied::Acting;
         let refused = |option: &str| {
-            let why = format!("study {} has no use for {option}: leave it out", study.name);
+            let why = format!("study {} does not use {option}: leave it out", study.name);
             Err(Error::usage(why))
         };
         let babbles = study.touches.is_some() || acts && options.session.is_none();
         if options.touches.is_some() && !babbles {
-            return refused("--touches, its trials are counted by --trials");
+            return refused("--touches (use --trials)");
         }
         if options.seconds.is_some() && study.seconds.is_none() {
             return refused("--seconds");
@@ -207,7 +206,7 @@ impl StudyRun {
             return Err(Error::usage("--seconds: give a number above 0"));
         }
         if options.seed.checked_add(options.trials).is_none() {
-            return Err(Error::usage("the last trial's seed would be too great: give a smaller --seed"));
+            return Err(Error::usage("the last trial's seed would be too large: give a smaller --seed"));
         }
         let learned_from = (acts && options.session.is_none()).then_some(LEARNED_FROM);
         let options = StudyOptions {

@@ -1,4 +1,4 @@
-//! How well the touch sensor recognizes what is done to the skin.
+//! How well the touch sensor recognizes stimuli on the skin.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +14,7 @@ use crate::skin::SomatotopicMap;
 
 pub(super) const STUDY: Study = Study {
     name: "senses",
-    about: "how well taps, presses, strokes, rubs, strokes over joints and strokes by a damaged map are recognized; a trial is one each",
+    about: "recognition of taps, presses, strokes, rubs, strokes across joints and strokes with a damaged map; a trial is one of each",
     of: Studied::Touched,
     touches: None,
     seconds: None,
@@ -42,9 +42,9 @@ pub(super) const STUDY: Study = Study {
         Column::new("latency_s", &[By::Median, By::Most]),
     ],
     notes: &[
-        "A row is what was done; tap, press, stroke, rub and nothing: how often the touch sensor reported which. right: the \
-              right kind, from the right limb to the right limb, and one sensation. latency_s: how long after the \
-              last contact it was decided.",
+        "Rows are stimuli; tap, press, stroke, rub and nothing count the touch sensor's reports. right: one \
+         sensation of the right kind, from the right limb to the right limb. latency_s: delay between the last \
+         contact and the report.",
     ],
     run,
 };
@@ -79,8 +79,8 @@ impl Doing {
     fn name(self) -> &'static str {
         match self {
             Doing::One(kind) => kind.name(),
-            Doing::Across(1) => "stroke over a joint",
-            Doing::Across(_) => "stroke over two joints",
+            Doing::Across(1) => "stroke across a joint",
+            Doing::Across(_) => "stroke across two joints",
             Doing::Unlinked => "stroke, half the map missing",
         }
     }
@@ -111,7 +111,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
         stage.sense(|sensor| *sensor = TouchSensor::new(followed, stage.skin()));
         let mut row = match doing.draw(&stage, &mut rng) {
             Some(done) => compared(&stage, &done)?,
-            None => json!({"reported": "no room for it"}),
+            None => json!({"reported": "no room"}),
         };
         row["done"] = json!(doing.name());
         rows.push(row);

@@ -1,4 +1,4 @@
-//! The trials of a study in a folder, a file each: what makes them may be interrupted, and may be several processes.
+//! The trials of a study as files in a folder, written by one or several interruptible processes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -39,7 +39,7 @@ impl ShareRecord for StudyShare {
         let share: StudyShare = read(&file, "the share of a study of this version")?;
         let StudyOptions { trials, seed, .. } = share.asked.options;
         if trials > MOST_TRIALS || seed.checked_add(trials).is_none() {
-            let why = "no study has so many trials: remove it and make its share again";
+            let why = "no study has this many trials: remove it and make its share again";
             return Err(Error::unfit(&file, why));
         }
         Ok(share)
@@ -110,7 +110,7 @@ impl Findings {
     /// # Errors
     /// If there is no share, a file cannot be read, or holds no trial.
     pub(crate) fn of_shares(shares: &[(Share, PathBuf, StudyShare)]) -> Result<Findings, Error> {
-        let (.., first) = shares.first().ok_or_else(|| Error::usage("there is no share of the study"))?;
+        let (.., first) = shares.first().ok_or_else(|| Error::usage("it contains no share of the study"))?;
         let files = |(_, folder, share): &(Share, PathBuf, StudyShare)| {
             let file = |seed| (seed, trial_file(folder, seed));
             share.seeds().into_iter().map(file).collect::<Vec<_>>()
@@ -134,6 +134,6 @@ fn write(path: &Path, content: &impl Serialize) -> Result<(), Error> {
 fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Error> {
     let text = files::read(path)?;
     serde_json::from_slice(&text).map_err(|error| {
-        Error::unfit(path, format!("it is not {what} ({error}): remove it and make its share again"))
+        Error::unfit(path, format!("not {what} ({error}): remove it and make its share again"))
     })
 }

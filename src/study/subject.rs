@@ -79,7 +79,7 @@ impl Subject {
                     return Err(Error::unfit(
                         folder,
                         format!(
-                            "the session is of another creature, or of other joints, than {} with --joints {}: give the \
+                            "the session has another creature or other joints than {} with --joints {}: give the \
                              model and joints that it was babbled with",
                             self.model().display(),
                             self.source().joints

@@ -1,4 +1,4 @@
-//! Maps of where hands can get to: three slices through the chest as a chart.
+//! Charts of the reachable workspace: three slices through the chest.
 
 use crate::session::{SpaceRecord, SpaceSlice};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};

@@ -1,4 +1,4 @@
-//! How far a verdict can be relied on: its colour tells, on pages and terminals alike.
+//! The colour of a verdict by its reliability, on pages and terminals.
 
 use crate::session::LearningRecord;
 

@@ -124,7 +124,7 @@ fn who_has_no_time_is_told_so() {
         learner
     };
     match babbled.learn_with(Input::Contact, learner).unwrap().0.verdict {
-        Verdict::Failed(why) => assert!(why.contains("time was over") && why.contains("--seconds"), "{why}"),
+        Verdict::Failed(why) => assert!(why.contains("time was up") && why.contains("--seconds"), "{why}"),
         other => panic!("{other:?}"),
     }
 }

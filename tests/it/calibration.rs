@@ -385,7 +385,7 @@ fn a_urdf_comes_back_with_its_encoders_put_right() {
     }
     // The page says what was found, and draws it.
     let page = fs::read_to_string(place.path("made/report.html")).unwrap();
-    assert!(page.contains("calibrated: the touches are explained by what was found"), "{page}");
+    assert!(page.contains("calibrated: the estimated parameters explain the touches"), "{page}");
     let quantities = found["quantities"].as_array().unwrap();
     assert!(quantities.iter().all(|quantity| page.contains(quantity["name"].as_str().unwrap())));
     assert!(page.contains("id=\"by-pair\""));
@@ -449,7 +449,7 @@ fn the_log_that_is_written_is_the_log_that_is_read() {
     place.write("log.csv", calibration_table(&robot, &all, &[("gain", vec!["1".into(); all.len()])]));
     let log = read_calibration_log(&place.path("log.csv"), &robot).unwrap();
     assert_eq!(log.touches.len(), touches.len());
-    assert_eq!(log.notes, ["columns that are not used: gain"]);
+    assert_eq!(log.notes, ["unused columns: gain"]);
     for (read, made) in log.touches.iter().zip(&touches) {
         assert!(read.posture.iter().zip(&made.posture).all(|(a, b)| (a - b).abs() < 1e-6));
     }
@@ -485,7 +485,7 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
         (
             "words.csv",
             log.replacen("left_hand,right_hand,", "left_hand,right_hand,oops", 1),
-            &["line", "ax", "no number"],
+            &["line", "ax", "not a number"],
         ),
         ("headless.csv", log.lines().skip(1).map(|l| format!("{l}\n")).collect(), &["no column limb_a"]),
         ("empty.csv", log.lines().next().unwrap().to_string(), &["no touch"]),
@@ -503,7 +503,7 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
     place.fails(&["arms.urdf", "touches.csv", "--free", "*.offsets"], &["*.offsets", "left_yaw.offset"]);
     place.fails(&["arms.urdf", "touches.csv", "--prior", "*.offset=5mm"], &["mm", "own unit"]);
     place.fails(&["arms.urdf", "touches.csv", "--prior", "*.offset"], &["=5mm"]);
-    place.fails(&["arms.urdf", "touches.csv", "--fix", "*"], &["nothing is unknown"]);
+    place.fails(&["arms.urdf", "touches.csv", "--fix", "*"], &["nothing to estimate"]);
     place.fails(&["arms.urdf", "touches.csv", "--held-out", "1.5"], &["between 0 and 1"]);
     // Exchanged limbs are a log that can be read: what is found explains nothing, and that is said.
     let exchanged: Vec<String> = log
@@ -517,5 +517,5 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
     place.write("exchanged.csv", exchanged.join("\n"));
     let found = place.json(&["arms.urdf", "exchanged.csv", "--free", "*.offset"]);
     assert_eq!(found["calibrated"], false);
-    assert!(found["verdict"].as_str().unwrap().contains("exchanged"), "{}", found["verdict"]);
+    assert!(found["verdict"].as_str().unwrap().contains("swapped"), "{}", found["verdict"]);
 }

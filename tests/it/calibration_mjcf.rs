@@ -220,7 +220,7 @@ fn only_the_numbers_that_changed_are_written() {
         .replace(r#"class="tip" pos="0 0 .05""#, r#"class="tip" pos="0 0 .05" size="0.0125""#);
     assert_eq!(String::from_utf8(written.bytes).unwrap(), expected);
     assert_eq!(written.left_out.len(), 1);
-    assert!(written.left_out[0].starts_with("gain of wrist (1.020000) cannot be said in MJCF: "));
+    assert!(written.left_out[0].starts_with("gain of wrist (1.020000) cannot be expressed in MJCF: "));
 }
 
 #[test]

@@ -332,10 +332,7 @@ fn inspect_prints_one_json_object_and_knows_max() {
     assert_eq!(sum, found["receptors"].as_u64().unwrap());
     assert!(by_limb["left_hand"].as_u64().unwrap() > 30);
     let (text, _) = place.succeeds(&["inspect", max.to_str().unwrap()]);
-    has(
-        &text,
-        &["57 joints", "103 degrees of freedom", "left_hand", "neighbours on average", "across limbs"],
-    );
+    has(&text, &["57 joints", "103 degrees of freedom", "left_hand", "neighbours on average", "cross limbs"]);
     // His auras, and the neighbours of every receptor, which are mutual.
     let auras = found["auras"].as_array().unwrap();
     assert_eq!(auras.len(), 17);
@@ -508,9 +505,9 @@ fn a_foreign_or_empty_session_is_refused_by_name() {
     has(&place.fails(&["learn", "nowhere"]), &["nowhere"]);
     has(&place.fails(&["report", "nowhere"]), &["nowhere"]);
     fs::create_dir(place.path("empty")).unwrap();
-    has(&place.fails(&["learn", "empty"]), &["empty: it is no session's folder", "babble"]);
-    has(&place.fails(&["babble", "session"]), &["it is a session's folder and no model", "arms.xml"]);
-    has(&place.fails(&["babble"]), &["mjcf/max/max.xml", "name a model"]);
+    has(&place.fails(&["learn", "empty"]), &["empty: it is not a session folder", "babble"]);
+    has(&place.fails(&["babble", "session"]), &["it is a session folder, not a model", "arms.xml"]);
+    has(&place.fails(&["babble"]), &["mjcf/max/max.xml", "give a model"]);
 
     // Another creature's log in this session's folder.
     let max = repository("mjcf/max/max.xml");
@@ -748,6 +745,6 @@ fn old_names_of_commands_are_answered_with_the_new_ones() {
     {
         let output = place.run(&[old, "session"]);
         assert_eq!(output.status.code(), Some(2));
-        has(&text(&output.stderr), &[&format!("`bodyschema {old}` is `bodyschema {new}` now")]);
+        has(&text(&output.stderr), &[&format!("`bodyschema {old}` is now `bodyschema {new}`")]);
     }
 }

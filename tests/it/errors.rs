@@ -57,9 +57,9 @@ fn an_error_is_of_the_kind_of_its_cause_and_of_no_other() {
         ("no session", Session::read(&path("nowhere")).unwrap_err(), "file", "nowhere"),
         ("a log that is none", read_calibration_log(&path("log.csv"), &arms).unwrap_err(), "file", "log.csv"),
         ("no robot", read_robot(&path("robot.csv")).err().unwrap(), "file", "robot.csv"),
-        ("in use", FolderLock::take(folder.path()).err().unwrap(), "file", "is writing it"),
+        ("in use", FolderLock::take(folder.path()).err().unwrap(), "file", "is writing to it"),
         ("no policy", "by chance".parse::<PolicyName>().unwrap_err(), "usage", "by chance"),
-        ("no touch", untouched.err().unwrap(), "not learned", "babble some first"),
+        ("no touch", untouched.err().unwrap(), "not learned", "babble first"),
         ("the engine", data.set_qpos(&[1.0]).unwrap_err().into(), "engine", "qpos"),
     ];
     for (name, error, kind, said) in &cases {

@@ -71,15 +71,15 @@ fn limits_that_are_none_are_taken_for_none_by_all_and_told() {
     let pi = std::f64::consts::PI;
     let free = [-pi, pi];
     for (limits, expected, told) in [
-        (["-1e16", "1e16"], free, "-1e16 to 1e16, are taken for none"),
-        (["-1e38", "1e38"], free, "are taken for none"),
-        (["-inf", "inf"], free, "-inf to inf, are taken for none"),
-        (["-Infinity", "+Infinity"], free, "are taken for none"),
-        (["2.5", "-2.5"], free, "2.5 to -2.5, are taken for none"),
-        (["0.5", "0.5"], free, "0.5 to 0.5, are taken for none"),
-        (["0", "0"], free, "0.0 to 0.0, are taken for none"),
-        (["-1.5", "1e16"], [-1.5, 2.0 * pi - 1.5], "are taken for -1.500 to 4.783"),
-        (["-inf", "1"], [1.0 - 2.0 * pi, 1.0], "are taken for -5.283 to 1.000"),
+        (["-1e16", "1e16"], free, "-1e16 to 1e16, are read as none"),
+        (["-1e38", "1e38"], free, "are ignored"),
+        (["-inf", "inf"], free, "-inf to inf, are ignored"),
+        (["-Infinity", "+Infinity"], free, "are ignored"),
+        (["2.5", "-2.5"], free, "2.5 to -2.5, are ignored"),
+        (["0.5", "0.5"], free, "0.5 to 0.5, are ignored"),
+        (["0", "0"], free, "0.0 to 0.0, are ignored"),
+        (["-1.5", "1e16"], [-1.5, 2.0 * pi - 1.5], "are read as -1.500 to 4.783"),
+        (["-inf", "1"], [1.0 - 2.0 * pi, 1.0], "are read as -5.283 to 1.000"),
         (["-2.5", "2.5"], [-2.5, 2.5], ""),
     ] {
         let [lower, upper] = limits;
@@ -98,7 +98,7 @@ fn limits_that_are_none_are_taken_for_none_by_all_and_told() {
     }
     let folder = tempfile::tempdir().unwrap();
     write(&folder.path().join("arm.urdf"), ARM.replace("lower=\"-2.5\"", "lower=\"nan\""));
-    assert!(refused(folder.path(), 1, &["inspect", "arm.urdf"]).contains("is no finite number"));
+    assert!(refused(folder.path(), 1, &["inspect", "arm.urdf"]).contains("is not a finite number"));
     // A file of MJCF may have them, too.
     let (body, left_out) = read(
         "arm.xml",
@@ -204,13 +204,13 @@ fn a_mesh_that_cannot_be_read_is_named_and_the_rest_goes_on() {
     let shown = "<visual><origin xyz=\"0 0 0.15\"/><geometry><cylinder radius=\"0.03\" length=\"0.2\"/></geometry></visual>";
     let whole = stl();
     for (file, bytes, told) in [
-        ("package://x/l2.dae", None, "l2.dae, nor such a file beside the model"),
+        ("package://x/l2.dae", None, "l2.dae nor a file of that name beside the model"),
         ("l2.dae", Some(b"<COLLADA/>".as_slice()), "l2.dae is not STL, OBJ, PLY or MSH"),
         ("l2.glb", Some(b"glTF".as_slice()), "l2.glb is not STL, OBJ, PLY or MSH"),
         (
             "l2.stl",
             Some(POINTER.as_bytes()),
-            "is a pointer of Git LFS and no mesh; fetch it with `git lfs pull`",
+            "is a Git LFS pointer, not a mesh; fetch it with `git lfs pull`",
         ),
         ("l2.obj", Some(POINTER.as_bytes()), "`git lfs pull`"),
         ("l2.stl", Some(&whole[..150]), "l2.stl cannot be read as STL"),
@@ -226,8 +226,7 @@ fn a_mesh_that_cannot_be_read_is_named_and_the_rest_goes_on() {
             assert!(lost.len() == 1 && lost[0].contains(file) && lost[0].contains(told), "{file}: {lost:?}");
             // It is touched on what is shown, where there is that.
             assert_eq!(model.ngeom(), if visual.is_empty() { 3 } else { 4 }, "{file}");
-            let noted =
-                left_out.notes.iter().any(|note| note.contains("link l2 is touched on its visual shape"));
+            let noted = left_out.notes.iter().any(|note| note.contains("link l2 uses its visual shape"));
             assert_eq!(noted, !visual.is_empty(), "{file}: {:?}", left_out.notes);
         }
     }
@@ -288,7 +287,7 @@ fn what_mimics_what_mimics_is_followed_alike() {
             mimic(&mimic(ARM, "j2", "<mimic joint=\"j3\"/>"), "j3", "<mimic joint=\"j2\"/>"),
             "mimics itself by way of",
         ),
-        (mimic(ARM, "j2", "<mimic joint=\"gone\"/>"), "mimics gone, which is not there"),
+        (mimic(ARM, "j2", "<mimic joint=\"gone\"/>"), "mimics gone, which does not exist"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         write(&folder.path().join("arm.urdf"), &joints);
@@ -378,7 +377,7 @@ fn couplings_that_no_posture_keeps_are_not_heeded_whatever_the_file_is_for() {
         write(&folder.path().join("arm.xml"), text(option));
         let printed = succeeds(folder.path(), &["inspect", "arm.xml"]);
         assert!(
-            printed.contains("1 constraints that close the tree or couple tendons are not heeded"),
+            printed.contains("1 constraints that close loops or couple tendons are ignored"),
             "{printed}"
         );
         assert!(!printed.contains("not needed: <tendon> in"), "{printed}");
@@ -484,11 +483,7 @@ fn a_log_that_is_being_written_is_read_up_to_its_last_line() {
     let many: String = format!("{HEAD}\n") + &format!("{}\n", rows().join("\n")).repeat(5000);
     let bytes = packed(many.as_bytes());
     let read = recording("log.csv.gz", &bytes[..bytes.len() / 2]).unwrap();
-    assert!(
-        read.notes.iter().any(|note| note.contains("packed by gzip and ends in the middle")),
-        "{:?}",
-        read.notes
-    );
+    assert!(read.notes.iter().any(|note| note.contains("the gzip file is truncated")), "{:?}", read.notes);
     assert!(recording("log.csv.gz", &bytes[..8]).unwrap_err().contains("unpack it first"));
 }
 
@@ -516,7 +511,7 @@ fn numbers_that_are_not_finite_leave_their_touch_out_and_are_told() {
     ] {
         let read = recording(name, &text).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(read.touches.len(), 3, "{text}");
-        let words = format!("1 of 4 touches are left out, for they have numbers that are not finite: {told}");
+        let words = format!("1 of 4 touches are ignored because their numbers are not finite: {told}");
         assert!(read.notes[0].starts_with(&words), "{text}: {:?}", read.notes);
     }
     // A name is no number, whatever it is.
@@ -524,7 +519,10 @@ fn numbers_that_are_not_finite_leave_their_touch_out_and_are_told() {
     assert!(recording("log.csv", named).unwrap_err().contains("no limb \"NaN\""));
     let none = rows().iter().map(|row| row.replacen("0.2,", "nan,", 1)).collect::<Vec<_>>().join("\n");
     let message = recording("log.csv", format!("{HEAD}\n{none}\n")).unwrap_err();
-    assert!(message.contains("it holds no touch") && message.contains("ay: nan is not finite"), "{message}");
+    assert!(
+        message.contains("it contains no touches") && message.contains("ay: nan is not finite"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -561,8 +559,8 @@ fn a_columns_unit_is_read_in_any_spelling_and_refused_where_it_measures_somethin
         ("bz", "bz [rad]", "column \"bz [rad]\": bz is a length"),
         ("lift", "lift_mm", "column \"lift_mm\": lift is an angle: give it in rad or deg"),
         ("reach_m", "reach_m [deg]", "reach_m is a length"),
-        ("lift", "lift [turns]", "column \"lift [turns]\": the unit turns is not known: give rad or deg"),
-        ("reach_m", "reach", "there is no column reach_m"),
+        ("lift", "lift [turns]", "column \"lift [turns]\": unknown unit turns: give rad or deg"),
+        ("reach_m", "reach", "column reach_m is missing"),
     ] {
         let log = format!("{}\n{}\n", HEAD.replace(from, to), rows().join("\n"));
         let message = recording("log.csv", log).unwrap_err();
@@ -599,8 +597,8 @@ fn calibrate_reads_columns_as_learn_does() {
     for (head, row, told) in [
         ("thumb_mm,thumb_cm", "1,1", "column \"thumb_mm\": thumb is an angle"),
         ("thumb [steps],thumb_cm", "1,1", "the unit steps is not known"),
-        ("thumb_cm", "1", "thumb moves what touched and was not read"),
-        ("thumb [rad],thumb_cm", "90,1", "if these are degrees, call the column thumb_deg"),
+        ("thumb_cm", "1", "joint thumb moves a touched link but has no reading"),
+        ("thumb [rad],thumb_cm", "90,1", "if they are degrees, call the column thumb_deg"),
     ] {
         let message = log(head, row).unwrap_err();
         assert!(message.contains(told), "{head}: {message}");
@@ -627,7 +625,7 @@ fn calibrate_reads_columns_as_learn_does() {
     let read = bodyschema::session::read_calibration_log(&place.path("log.csv"), &file.robot).unwrap();
     assert_eq!(read.touches.len(), 2);
     assert!(
-        read.notes[0].contains("1 of 3 touches are left out") && read.notes[0].contains("line 3"),
+        read.notes[0].contains("1 of 3 touches are ignored") && read.notes[0].contains("line 3"),
         "{:?}",
         read.notes
     );
@@ -652,7 +650,7 @@ fn a_table_as_books_print_it_is_read_and_kept_as_it_is() {
         read_robot(&place.path("thumb.csv"))
             .unwrap_err()
             .to_string()
-            .contains("is \"pie/2\", which is no finite number")
+            .contains("is \"pie/2\", not a finite number")
     );
 }
 

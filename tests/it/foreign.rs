@@ -241,7 +241,8 @@ fn a_file_for_a_newer_engine_is_read_by_itself() {
         assert!(left_out.unneeded.contains_key(what), "{what} is not in {left_out:?}");
     }
     assert!(left_out.lost.contains_key("hereafter of <joint>, which MuJoCo does not know"), "{left_out:?}");
-    let mesh = left_out.lost.iter().find(|(what, _)| what.contains("nor such a file beside the model"));
+    let mesh =
+        left_out.lost.iter().find(|(what, _)| what.contains("nor a file of that name beside the model"));
     assert_eq!(mesh.map(|(_, count)| *count), Some(1), "{left_out:?}");
     let body = Body::new(Arc::new(model), &JointSelection::All).unwrap();
     assert_eq!(body.creature.limbs(), ["base", "upper", "lower", "other"]);
@@ -356,13 +357,17 @@ fn a_refusal_names_the_line_in_the_users_own_file() {
             "fewer numbers",
         ),
         (world("<attach/>"), "main.xml, line 5", "names no model"),
-        (world("<replicate count='2.5'><geom size='1'/></replicate>"), "main.xml, line 5", "no whole number"),
+        (
+            world("<replicate count='2.5'><geom size='1'/></replicate>"),
+            "main.xml, line 5",
+            "not a whole number",
+        ),
         (
             world("<replicate count='2'><body name='z'><geom size='1'/></body></replicate><body name='z0'/>"),
             "main.xml, line 5",
             "repeated name",
         ),
-        (world("</body></worldbody><body/><worldbody><body>"), "main.xml, line 5", "outside of <worldbody>"),
+        (world("</body></worldbody><body/><worldbody><body>"), "main.xml, line 5", "outside <worldbody>"),
         (
             world("</body></worldbody><option gravity='0 1'/><worldbody><body>"),
             "main.xml, line 5",
@@ -376,9 +381,9 @@ fn a_refusal_names_the_line_in_the_users_own_file() {
             "of 0 or above",
         ),
         (world("<body>"), "main.xml, line 6", "malformed"),
-        (world("a\u{1}b"), "main.xml, line 5", "none of XML"),
-        ("<mujoco/>\n<!-- a remark -->\n <mujoco/>".into(), "main.xml, line 3", "more after </mujoco>"),
-        ("<mujoco/>\n\nmore".into(), "main.xml, line 3", "more after </mujoco>"),
+        (world("a\u{1}b"), "main.xml, line 5", "that XML does not allow"),
+        ("<mujoco/>\n<!-- a remark -->\n <mujoco/>".into(), "main.xml, line 3", "content after </mujoco>"),
+        ("<mujoco/>\n\nmore".into(), "main.xml, line 3", "content after </mujoco>"),
         ("<mujoco>\n\n<worldbody>".into(), "main.xml, line 3", "not closed"),
         ("<svg/>".into(), "main.xml, line 1", "<robot>"),
         ("<mujocoinclude/>".into(), "main.xml, line 1", "includes it"),
@@ -405,23 +410,23 @@ fn what_is_wrong_in_numbers_words_and_classes_is_refused_in_every_reading() {
     };
     for (wrong, mend) in [
         ("<body name='b' pos='0 .2'/>", "pos of <body> b has 2 numbers; give it 3"),
-        ("<body pos='here'/>", "\"here\" in pos of <body> is no number"),
-        ("<body pos='0,1 0 0'/>", "a point for decimals"),
+        ("<body pos='here'/>", "\"here\" in pos of <body> is not a number"),
+        ("<body pos='0,1 0 0'/>", "decimal points"),
         ("<body quat='0 0 0 0'/>", "no direction"),
         ("<geom size='.1' zaxis='0 0 0'/>", "no direction"),
         ("<geom size='.1' xyaxes='1 0 0 2 0 0'/>", "no direction"),
         ("<geom size='.1' euler='0 0 1' quat='1 0 0 0'/>", "turned by quat and by euler"),
         ("<geom type='cube' size='.1'/>", "sphere"),
         ("<joint name='j' range='-1'/>", "range of <joint> j has 1 number; give it 2"),
-        ("<joint range='-inf inf'/>", "no finite number"),
-        ("<joint armature='nan'/>", "no finite number"),
+        ("<joint range='-inf inf'/>", "not a finite number"),
+        ("<joint armature='nan'/>", "not a finite number"),
         ("<joint limited='yes'/>", "true, false or auto"),
         ("<joint type='revolute'/>", "hinge"),
-        ("<joint class='gone'/>", "class=\"gone\" of <joint> is the name of no <default>"),
-        ("<body childclass='gone'/>", "name of no <default>"),
-        ("<frame childclass='gone'/>", "name of no <default>"),
+        ("<joint class='gone'/>", "class=\"gone\" of <joint> names no <default>"),
+        ("<body childclass='gone'/>", "names no <default>"),
+        ("<frame childclass='gone'/>", "names no <default>"),
         ("<frame pos='0 0'/>", "give it 3"),
-        ("<frame euler='x 0 0'/>", "no number"),
+        ("<frame euler='x 0 0'/>", "not a number"),
         ("<replicate count='2' offset='1'/>", "give it 3"),
     ] {
         let told = Model::from_xml(&world("", wrong)).map(|_| ()).unwrap_err().to_string();
@@ -431,7 +436,7 @@ fn what_is_wrong_in_numbers_words_and_classes_is_refused_in_every_reading() {
         );
     }
     for (class, mend) in [
-        ("<geom density='heavy'/>", "\"heavy\" in density of <geom> is no number"),
+        ("<geom density='heavy'/>", "\"heavy\" in density of <geom> is not a number"),
         ("<joint axis='0 1'/>", "give it 3"),
         ("<default><joint/></default>", "has no class"),
         ("<default class='a'/><default class='a'/>", "two classes a"),
@@ -444,7 +449,7 @@ fn what_is_wrong_in_numbers_words_and_classes_is_refused_in_every_reading() {
         Model::from_xml(&xml).map(|_| ()).unwrap_err().to_string()
     };
     assert!(told("<compiler angle='grad'/>").contains("degree or radian"));
-    assert!(told("<compiler eulerseq='xyq'/>").contains("no order of axes"));
+    assert!(told("<compiler eulerseq='xyq'/>").contains("not an order of axes"));
     // What no class can be of is told of, and nothing is an empty attribute.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("odd.xml");
@@ -506,7 +511,7 @@ fn of_a_mesh_whose_faces_or_kind_the_engine_refuses_the_hull_is_left() {
     write("cut.stl", "solid");
     let (_, left_out) = read("cut.stl").unwrap();
     let told: Vec<&String> = left_out.lost.keys().collect();
-    assert!(told[0].contains("mesh m, which this MuJoCo refuses: ") && told.len() == 1, "{told:?}");
+    assert!(told[0].contains("mesh m, which this MuJoCo rejects: ") && told.len() == 1, "{told:?}");
     if !is_newer_engine() {
         // This crashes the engine.
         write("text.obj", "v a b c\nv 1 2\n");
@@ -558,7 +563,7 @@ fn other_creatures_in_a_file_are_told_of_and_props_are_none() {
         String::from_utf8(run(folder.path(), &arguments).stderr).unwrap()
     };
     let told = note(&["one"]);
-    assert!(told.contains("this is big (3 joints); --root chooses another of small (1 joints)"), "{told}");
+    assert!(told.contains("this is big (3 joints). --root selects another of small (1 joints)"), "{told}");
     assert!(!told.contains("ball"), "{told}");
     assert!(!note(&["other", "--root", "big"]).contains("several creatures"));
     for command in [&["skin", "--out", "skin.xml"][..], &["skin", "feel"], &["study", "learners"]] {
@@ -773,7 +778,7 @@ fn a_file_that_keeps_the_engine_busy_is_given_up() {
     let output = shell.current_dir(folder.path()).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("endless.xml: MuJoCo did not come to an end with it in 2 s"), "{said}");
+    assert!(said.contains("endless.xml: MuJoCo did not finish loading it within 2 s"), "{said}");
 }
 
 #[test]

@@ -344,7 +344,7 @@ fn a_schema_with_limbs_poses_survives_its_file_and_a_wrong_file_is_told_from_it(
     let message = refused(&|joint| joint["limb_quaternion"][0] = 3.into());
     assert!(message.contains("limb_quaternion") && message.contains("divide"), "{message}");
     let message = refused(&|joint| drop(joint.as_object_mut().unwrap().remove("limb_position")));
-    assert!(message.contains("both or none"), "{message}");
+    assert!(message.contains("both or neither"), "{message}");
     // Without poses nothing of them is in the file.
     write_schema(&path, creature, &truth, None).unwrap();
     json = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();

@@ -58,7 +58,7 @@ fn a_body_grows_by_default_where_nothing_stands_against_it() {
     assert_eq!(chosen(&["--policy", "random", "--input", "contact", "--touches", "60"]).1, "lm");
 }
 
-/// What a budget of work ends ends at the same place on a busy computer and by any number of threads, and that is said.
+/// What a work budget ends ends at the same place on a busy computer and by any number of threads, and that is said.
 #[test]
 fn a_session_that_work_ended_is_the_same_under_any_load() {
     let place = tempfile::tempdir().unwrap();
@@ -75,7 +75,7 @@ fn a_session_that_work_ended_is_the_same_under_any_load() {
             assert_eq!(found["ended_by"]["babbling"], "work", "{found}");
             assert!(String::from_utf8_lossy(&output.stderr).contains("--work"), "{output:?}");
             let read = |name: &str| std::fs::read(place.path().join(&out).join(name)).unwrap();
-            assert!(String::from_utf8(read("report.html")).unwrap().contains("budget of work"), "{out}");
+            assert!(String::from_utf8(read("report.html")).unwrap().contains("work budget"), "{out}");
             ["schema.json", "touches.jsonl"].map(read)
         };
         let quiet = learned("3");

@@ -84,13 +84,13 @@ fn a_wrong_file_is_told_in_a_sentence_that_names_the_place_and_the_mend() {
         (entry(&|e| e["joint"] = json!("knee")), &["\"knee\"", "joint 1", "inspect"]),
         (entry(&|e| e["parent"] = json!("left_upper")), &["left_upper", "trunk"]),
         (entry(&|e| e["position"] = json!([1, 2])), &["line 1"]),
-        (entry(&|e| e["axes"] = json!([{ "axis": [1, 0, 0] }])), &["1 axes in place of 2"]),
+        (entry(&|e| e["axes"] = json!([{ "axis": [1, 0, 0] }])), &["1 axes instead of 2"]),
         (entry(&|e| e["axes"][0]["dof"] = json!("elbow")), &["\"elbow\"", "left_shoulder_a"]),
         (entry(&|e| e["axes"][0]["axis"] = json!([0, 3, 4])), &["length 5", "[0, 0.6, 0.8]"]),
         (entry(&|e| e["axes"][0]["axis"] = json!([0, 0, 0])), &["length zero"]),
         (entry(&|e| e["position_std"] = json!(-0.1)), &["position_std of -0.1", "not negative"]),
         (entry(&|e| e["axes"][1]["axis_std"] = json!(-1)), &["axis_std of -1", "left_shoulder_b"]),
-        (entry(&|e| e["position_std"] = json!(0.01)), &["nearly", "greater than zero"]),
+        (entry(&|e| e["position_std"] = json!(0.01)), &["nearly", "above zero"]),
         (
             entry(&|e| {
                 e.as_object_mut().unwrap().remove("axes");
@@ -248,7 +248,7 @@ fn the_program_keeps_to_what_is_known_and_says_so() {
     assert_eq!(file("session.json")["options"]["known"], "some.json");
     let report = std::fs::read_to_string(place.path().join("s/report.html")).unwrap();
     assert!(
-        report.contains("the numerical floor") && report.contains("± x, mm"),
+        report.contains("the touches fit to numerical precision") && report.contains("± x, mm"),
         "the report does not say how sure"
     );
     // All that is known and nothing to learn is no failure; a learner that cannot use it refuses.

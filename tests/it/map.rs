@@ -207,7 +207,7 @@ fn wrong_maps_are_told_in_one_sentence(place: &Path, feel: &[&str], map: &Value)
         (with(Value::from([&others[..], &[other]].concat())), "twice"),
         (with(Value::from([&others[..], &[id.as_str()]].concat())), "its own"),
         (with(Value::from(others[1..].to_vec())), "the other way round"),
-        (with(Value::from(many)), "at the most"),
+        (with(Value::from(many)), "keep only the nearest"),
         (fewer.to_string(), "an empty list"),
         (with(Value::from(7)), "no map of neighbours"),
     ];
@@ -240,7 +240,7 @@ fn wrong_logs_are_told_in_one_sentence(place: &Path, log: &str) {
             "cannot have fired",
         ),
         (second(&format!("{{\"receptor\": \"{id}\", \"first\": 1}}")), "last"),
-        (second("touched"), "mend the line"),
+        (second("touched"), "correct the line"),
     ];
     for (text, word) in cases {
         fs::write(&file, &text).unwrap();

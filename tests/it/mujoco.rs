@@ -286,9 +286,9 @@ fn the_filters_are_the_engines() {
 fn a_missing_file_is_named() {
     let path = PathBuf::from("no/such/creature.xml");
     let text = Model::from_path(&path).unwrap_err().to_string();
-    assert!(text.starts_with("no/such/creature.xml: there is no such file"), "{text}");
+    assert!(text.starts_with("no/such/creature.xml: no such file"), "{text}");
     let text = Model::from_path(std::env::temp_dir()).unwrap_err().to_string();
-    assert!(text.contains("no regular file"), "{text}");
+    assert!(text.contains("not a regular file"), "{text}");
 }
 
 #[test]

@@ -164,7 +164,7 @@ fn other_results_are_replaced_by_force_too() {
     assert!(refused(place.path(), 1, &["study", "gallery", "arms.xml"]).contains("--force"));
     fs::create_dir_all(at("odd/schema.json")).unwrap();
     let odd = refused(place.path(), 1, &[&BABBLE[..], &["--out", "odd", "--force"]].concat());
-    assert!(odd.contains("odd/schema.json: it is no file"), "{odd}");
+    assert!(odd.contains("odd/schema.json: not a file"), "{odd}");
 }
 
 #[test]

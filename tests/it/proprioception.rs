@@ -92,7 +92,7 @@ fn inspect_says_what_tells_the_posture() {
     let place = tempfile::tempdir().unwrap();
     for (text, sentence, sensed) in [
         (max_with(str::to_string), "read from 103 joint sensors", 103),
-        (max_sensing("cutoff=\"0.25\""), "103 of them read no farther than a cutoff", 103),
+        (max_sensing("cutoff=\"0.25\""), "103 of them have a cutoff", 103),
         (max_without_joint_sensors(), "no joint has a sensor", 0),
     ] {
         std::fs::write(place.path().join("copy.xml"), text).unwrap();

@@ -302,14 +302,14 @@ fn the_command_tells_the_space_and_writes_its_files() {
     for asked in [vec!["reach", "guessed", "--voxel", "0.1"], vec!["reach", "guessed", "--at", "0.1,0.2,0.3"]]
     {
         let said = String::from_utf8(run(place.path(), &asked).stdout).unwrap();
-        assert!(said.contains("left_hand: where it gets to is a guess, for it is not placed"), "{said}");
+        assert!(said.contains("left_hand: its workspace is a guess, because it is not located"), "{said}");
     }
     assert!(run(place.path(), &["report", "guessed"]).status.success());
     let page = fs::read_to_string(place.path().join("guessed/report.html")).unwrap();
-    assert!(page.contains("where it gets to is a guess"));
+    assert!(page.contains("its workspace is a guess"));
     for (arguments, code, says) in [
         (vec!["reach", "arms", "--hand", "foot"], 1, "no such limb"),
-        (vec!["reach", "arms", "--voxel", "0"], 1, "cannot be counted"),
+        (vec!["reach", "arms", "--voxel", "0"], 1, "are impossible"),
         (vec!["reach", "arms", "--at", "1,2"], 2, "three numbers"),
         (vec!["reach", "nowhere"], 1, "nowhere"),
         (vec!["reach", "arms", "--voxel", "0.1", "--vtk", "no/such/reach.vtk"], 1, "cannot write"),

@@ -143,7 +143,7 @@ fn a_touch_that_is_held_or_copied_counts_once() {
     let log = format!("{HEADER}\n{held}{}\n{ROW}\n", ROW.replace("0.1,0.2", "0.11,0.2"));
     let read = place.crane("touches.csv", &log).unwrap();
     assert_eq!(read.touches.len(), 2);
-    assert_eq!(read.notes, ["20 of 22 rows repeat another in the same posture: each touch counts once"]);
+    assert_eq!(read.notes, ["20 of 22 rows are repeats in the same posture; each touch counts once"]);
     assert_eq!(read.touches[0].posture[5], 0.25);
 }
 
@@ -152,11 +152,11 @@ fn a_row_that_cannot_be_read_is_named_by_line_and_column() {
     let place = Place::new();
     let wrong = [
         ("base,arm,0.1", "base,leg,0.1", "line 4: column limb_b: crane has no limb \"leg\""),
-        (",0.2,", ",zero,", "line 4: column 4, ay: \"zero\" is no number"),
+        (",0.2,", ",zero,", "line 4: column 4, ay: \"zero\" is not a number"),
         (",0.2,", ",,", "line 4: column 4, ay: it is empty"),
         (",0.5,", ",,", "line 4: column 13, lift: it is empty"),
         (",0.001,", ",-1,", "line 4: column 15, a_std: -1 is negative"),
-        (",0.25,0.001,", ",0.25", "line 4: it has 14 cells in place of 16"),
+        (",0.25,0.001,", ",0.25", "line 4: it has 14 cells instead of 16"),
         (",1,0,0,0,", ",0.5,0,0,0,", "line 4: the posture's quaternion of turn has length 0.5"),
         ("base,arm", "arm,arm", "on limb arm, but a touch needs two limbs"),
         ("base,arm", ",arm", "line 4: end a has no limb"),
@@ -176,20 +176,22 @@ fn columns_that_are_missing_unknown_or_doubled_are_named() {
     let wrong = [
         (
             HEADER.replace("lift", "lft"),
-            "there is no column lift: add this degree of freedom, or is lft meant?",
+            "column lift is missing: add this degree of freedom, or is lft meant?",
         ),
-        (HEADER.replace(",lift", ""), "there is no column lift"),
+        (HEADER.replace(",lift", ""), "column lift is missing"),
         (HEADER.replace("turn_y", "turn_x"), "column 11, turn_x: it occurs twice"),
-        (HEADER.replace(",by", ""), "there is no column by: a point has three coordinates"),
-        (HEADER.replace("limb_a,", ""), "there is no column limb_a"),
-        (String::new(), "there is no line of column names"),
+        (HEADER.replace(",by", ""), "column by is missing: a point has three coordinates"),
+        (HEADER.replace("limb_a,", ""), "column limb_a is missing"),
+        (String::new(), "begin with a line of column names"),
     ];
     for (header, expected) in wrong {
         let message = place.crane("touches.csv", &format!("{header}\n")).unwrap_err();
         assert!(message.contains(expected), "{header}: {message}");
     }
-    assert!(place.crane("touches.csv", &format!("{HEADER}\n")).unwrap_err().contains("it holds no touch"));
-    assert!(place.crane("touches.jsonl", "\n").unwrap_err().contains("it holds no touch"));
+    assert!(
+        place.crane("touches.csv", &format!("{HEADER}\n")).unwrap_err().contains("it contains no touches")
+    );
+    assert!(place.crane("touches.jsonl", "\n").unwrap_err().contains("it contains no touches"));
 }
 
 #[test]
@@ -202,7 +204,7 @@ fn units_are_read_from_columns_and_what_means_nothing_is_passed_over() {
     let row =
         ROW.replace("0.1,0.2,0.3", "100,200,300").replace(",0.5,", &format!(",{},", 0.5f64.to_degrees()));
     let other = log(&format!("{header},temperature"), &format!("{row},21"));
-    assert_eq!(other.notes, ["columns that are not used: temperature"]);
+    assert_eq!(other.notes, ["unused columns: temperature"]);
     let (a, b) = (&plain.touches[0], &other.touches[0]);
     assert!(a.posture.iter().zip(b.posture.iter()).all(|(a, b)| (a - b).abs() < 1e-12));
     let [a, b] = [a, b].map(|touch| touch.exact_contact().points);
@@ -215,10 +217,10 @@ fn a_line_that_is_no_touch_is_named_with_what_is_wrong() {
     let right = json!({"posture": {"turn": [1, 0, 0, 0], "lift": 0.5, "reach": 0.25}, "limbs": ["base", "arm"],
                        "contacts": [[0.1, 0.2, 0.3], [0.1, 0.0, 0.0]]});
     let wrong: [(&str, Value, &str); 8] = [
-        ("/posture/lift", json!("half"), "lift: \"half\" is no number"),
-        ("/posture/lift", json!([]), "lift is neither a number nor a text"),
+        ("/posture/lift", json!("half"), "lift: \"half\" is not a number"),
+        ("/posture/lift", json!([]), "lift is neither a number nor a string"),
         ("/posture/turn", json!(1), "turn_w: it is empty"),
-        ("/posture", json!([1, 0, 0, 0, 0.5]), "posture has 5 numbers in place of 6"),
+        ("/posture", json!([1, 0, 0, 0, 0.5]), "posture has 5 numbers instead of 6"),
         ("/posture", json!(3), "posture is neither a list"),
         ("/limbs/1", json!("leg"), "column limb_b: crane has no limb \"leg\""),
         ("/contacts", Value::Null, "end a has a limb but no point on it"),
@@ -231,11 +233,11 @@ fn a_line_that_is_no_touch_is_named_with_what_is_wrong() {
         assert!(message.starts_with("line 2: ") && message.contains(expected), "{line}: {message}");
     }
     let message = place.crane("touches.jsonl", &right.to_string().replace("limbs", "limb")).unwrap_err();
-    assert!(message.contains("line 1: limb is neither a number nor a text"), "{message}");
+    assert!(message.contains("line 1: limb is neither a number nor a string"), "{message}");
     let missing = json!({"posture": {"turn": [1, 0, 0, 0], "lift": 0.5}, "limbs": ["base", "arm"],
                          "contacts": [[0.1, 0.2, 0.3], [0.1, 0.0, 0.0]]});
     let message = place.crane("touches.jsonl", &missing.to_string()).unwrap_err();
-    assert!(message.contains("there is no column reach"), "{message}");
+    assert!(message.contains("column reach is missing"), "{message}");
 }
 
 #[test]
@@ -243,7 +245,10 @@ fn units_that_cannot_be_are_told() {
     let place = Place::new();
     let degrees = format!("{HEADER}\n{}\n", ROW.replace(",0.5,", ",45,"));
     let message = place.crane("touches.csv", &degrees).unwrap_err();
-    assert!(message.contains("lift is 45") && message.contains("convert them to radians"), "{message}");
+    assert!(
+        message.contains("lift is 45") && message.contains("convert them and the range to radians"),
+        "{message}"
+    );
     let millimetres = format!("{HEADER}\n{}\n", ROW.replace("0.1,0.2,0.3,-0.1", "100,200,300,-100"));
     let read = place.crane("touches.csv", &millimetres).unwrap();
     assert!(read.notes.iter().any(|note| note.contains("convert them to metres")), "{:?}", read.notes);
@@ -257,11 +262,11 @@ fn units_that_cannot_be_are_told() {
 fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
     let place = Place::new();
     let wrong = [
-        ("\"parent\": \"turret\"", "\"parent\": \"trret\"", "joints[1].parent: there is no limb \"trret\""),
+        ("\"parent\": \"turret\"", "\"parent\": \"trret\"", "joints[1].parent: limbs contains no \"trret\""),
         ("\"parent\": \"turret\", ", "", "joints[1]: missing field `parent`"),
         ("\"kind\": \"hinge\"", "\"kind\": \"knee\"", "joints[1].dofs[0].kind: unknown variant `knee`"),
         ("\"kind\": \"hinge\", ", "", "missing field `kind`"),
-        (", \"range\": [0.0, 0.5]", "", "joints[1].dofs[1] is a slide and has no range"),
+        (", \"range\": [0.0, 0.5]", "", "joints[1].dofs[1] is a slide without a range"),
         ("\"range\": [0.0, 0.5]", "\"range\": [1.0, 0.5]", "the range of reach is not two numbers in order"),
         (
             "\"range\": [0.0, 0.5]",
@@ -271,21 +276,21 @@ fn a_creature_file_with_anything_wrong_in_it_is_refused_by_field() {
         (
             "\"range\": [0.0, 0.5]",
             "\"range\": [0, 1], \"follows\": {\"leader\": \"lft\", \"polynomial\": [0, 1, 0, 0, 0]}",
-            "joints[1].dofs[1].follows.leader: there is no degree of freedom \"lft\"",
+            "joints[1].dofs[1].follows.leader: no degree of freedom \"lft\"",
         ),
         (
             "\"range\": [0.0, 0.5]",
             "\"range\": [0, 1], \"follows\": {\"leader\": 1, \"polynomal\": [0, 1, 0, 0, 0]}",
             "unknown field `polynomal`, expected `leader` or `polynomial`",
         ),
-        ("\"limb\": \"turret\"", "\"limb\": \"arm\"", "joints[0].limb is another than limb 1 of the list"),
-        ("\"turret\", \"arm\"]", "\"turret\"]", "a creature of 2 limbs needs one joint fewer"),
+        ("\"limb\": \"turret\"", "\"limb\": \"arm\"", "joints[0].limb differs from limb 1 of the list"),
+        ("\"turret\", \"arm\"]", "\"turret\"]", "a creature with 2 limbs needs one joint fewer"),
         ("[\"base\", \"turret\", \"arm\"]", "[\"base\", \"turret\", \"turret\"]", "two limbs are called"),
         ("\"name\": \"lift\"", "\"name\": \"reach\"", "two degrees of freedom are called \"reach\""),
         ("\"name\": \"crane\",", "", "missing field `name`"),
         ("\"dofs\": [{\"name\": \"turn\", \"kind\": \"ball\"}]", "\"dofs\": []", "has no degrees of freedom"),
         ("\"limbs\": [\"base\", \"turret\", \"arm\"],", "", "missing field `limbs`"),
-        ("\"limbs\": [", "\"limbs\": ", "it is no description of a creature"),
+        ("\"limbs\": [", "\"limbs\": ", "it is not a valid description of a creature"),
     ];
     for (from, to, expected) in wrong {
         assert!(CRANE.contains(from), "{from}");
@@ -526,7 +531,7 @@ fn a_body_that_may_be_shrunk_to_a_point_is_not_claimed() {
     let said = place.succeeds(&["learn", "--creature", &body, "--log", &log, "--out", &session]);
     assert!(said.contains("NOT learned: all touches are at one point of each limb"), "{said}");
     // What to do is said, and that there is nothing to draw.
-    assert!(said.contains("next: record more touches, of more pairs of limbs"), "{said}");
+    assert!(said.contains("next: record more touches, between more pairs of limbs"), "{said}");
     let refused = place.fails(&["render", &session, "--touch", "1", "--out", "touch.png"]);
-    assert!(refused.contains("nothing is known of how its limbs look"), "{refused}");
+    assert!(refused.contains("the shapes of its limbs are unknown"), "{refused}");
 }

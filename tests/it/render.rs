@@ -243,27 +243,27 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence() {
     let cases: [(&[&str], &str); 12] = [
         (&["session", "--root", "other"], "leave out --root"),
         (&[&model, "--posture", "left_elbow=90"], "it has left_elbow_flexion, left_elbow_pronation"),
-        (&[&model, "--posture", "left_elbow_flexion=390"], "390° is beyond its range of -6° to 140°"),
+        (&[&model, "--posture", "left_elbow_flexion=390"], "390° is outside its range of -6° to 140°"),
         (&[&model, "--posture", "left_elbow_flexion=bent"], "give a name, = and a number"),
         (&[&model, "--touch", "1"], "--touch is of a session"),
         (&["nowhere.xml"], "nowhere.xml: no such file"),
         (&["."], "there is no session.json in it"),
-        (&["session", "--touch", "1001"], "there is no touch 1001 in it: give one from 1 to 1000"),
-        (&["session", "--touch", "0"], "there is no touch 0 in it"),
+        (&["session", "--touch", "1001"], "it has no touch 1001: give one from 1 to 1000"),
+        (&["session", "--touch", "0"], "it has no touch 0 in it"),
         (&["session", "--touches", "1..2"], "--touches makes a film"),
         (&["session", "--learning"], "--learning makes a film"),
-        (&["session", "--posture", "left_elbow_flexion=-90"], "-90° is beyond its range"),
+        (&["session", "--posture", "left_elbow_flexion=-90"], "-90° is outside its range"),
     ];
     for (arguments, words) in cases {
         let said = refused(place, 1, &[&["render"], arguments, &["--out", "refused.png"]].concat());
         assert!(said.to_lowercase().contains(&words.to_lowercase()), "{arguments:?}: {said}");
     }
     let said = refused(place, 1, &["render", &model, "--out", "refused.jpg"]);
-    assert!(said.contains("end it in .png"), "{said}");
+    assert!(said.contains("use .png"), "{said}");
     let said = refused(place, 1, &["render", "session", "--touch", "1", "--out", "refused.mp4"]);
     assert!(said.contains("--touch makes a picture"), "{said}");
     let said = refused(place, 1, &["render", "session", "--touches", "999..1001", "--out", "refused-%d.png"]);
-    assert!(said.contains("there is no touch 1001"), "{said}");
+    assert!(said.contains("it has no touch 1001"), "{said}");
     for (option, value) in
         [("--size", "0x10"), ("--size", "big"), ("--frames-per-second", "0"), ("--touches", "3..1")]
     {

@@ -184,7 +184,7 @@ fn the_joints_are_told_with_their_touches_and_errors() {
     assert_eq!(rows[1][7..], ["turn", "0.000", "0.000", "1.000", "0.000", "0.000"]);
     assert_eq!(rows[2][..7], ["left_shoulder", "", "", "", "", "", ""]);
     assert_eq!(rows[2][7..], ["lift", "0.000", "1.000", "0.000", "0.000", "0.000"]);
-    let ball = ["ball", "trunk", "1", "no", "0.0", "−300.0", "0.0", "turns freely", "", "", "", "–", "–"];
+    let ball = ["ball", "trunk", "1", "no", "0.0", "−300.0", "0.0", "unlimited", "", "", "", "–", "–"];
     assert_eq!(rows[3], ball);
 }
 
@@ -209,7 +209,10 @@ fn pairs_of_limbs_and_open_joints_are_named() {
         report::html(&ReportInput { converged: Some(converged), undetermined, ..session.input() })
     };
     assert!(page(true, &[]).contains("No joint is undetermined"));
-    assert!(page(true, &[]).contains("they move no located skin"), "nor do the directions that stay open");
+    assert!(
+        page(true, &[]).contains("without effect on the positions of located limbs"),
+        "nor do the directions that stay open"
+    );
     assert!(page(false, &[0, 1]).contains("All joints: no held-out touches confirm the schema"));
 }
 
@@ -221,10 +224,10 @@ fn a_page_without_truth_touches_or_curve_says_so() {
     let record = LearningRecord::default();
     (input.touches, input.record, input.undetermined) = (&[], &record, &[]);
     let page = report::html(&input);
-    assert!(!rows(&parse(&page), "joints")[0].iter().any(|head| head.starts_with("off by")));
-    assert!(page.contains("The truth is not known"));
-    assert!(page.contains("Too little was kept"));
-    assert!(page.contains("No touch between named limbs"));
+    assert!(!rows(&parse(&page), "joints")[0].iter().any(|head| head.starts_with("error, ")));
+    assert!(page.contains("The true body is not known"));
+    assert!(page.contains("Too few checkpoints"));
+    assert!(page.contains("No touches between named limbs"));
     let body = body(&page);
     assert_eq!(names(&body["layers"]), ["limbs", "receptors"], "nothing of the true body");
     assert_eq!(names(&body["skeletons"]), ["joints"]);
@@ -301,8 +304,8 @@ fn the_curve_has_the_error_its_bound_and_the_guess() {
     let marks = marks(&report::html(&session.input()), "curve");
     let says: Vec<&str> = marks.iter().map(|(says, _)| says.as_str()).collect();
     let told = [
-        "at a random initial guess: 300 mm",
-        "at a random initial guess: 300 mm",
+        "random initial guess: 300 mm",
+        "random initial guess: 300 mm",
         "held-out error after 1 touch: 200 mm",
         "held-out error after 2 touches: 2.50 mm",
         "held-out error after 3 touches: 1.0·10⁻⁹ mm",

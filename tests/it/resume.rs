@@ -243,7 +243,7 @@ fn a_session_that_is_complete_is_left_as_it_is_and_what_is_missing_is_made() {
         fs::remove_file(place.path("s").join(file)).unwrap();
     }
     let message = place.succeeds(&["babble", "--resume", "s"]);
-    assert!(message.contains("all 80 touches are there"), "{message}");
+    assert!(message.contains("all 80 touches are present"), "{message}");
     assert!(place.path("s/report.html").exists());
     assert!(schema == fs::read(place.path("s/schema.json")).unwrap());
 }
@@ -254,7 +254,7 @@ fn what_cannot_be_gone_on_with_is_told_in_a_sentence_and_nothing_is_lost() {
     place.succeeds(&["babble", "arms.xml", "--touches", "80", "--learner", "hersch", "--out", "whole"]);
     let half = place.log("whole").len() / 2;
 
-    assert!(place.fails(&["babble", "--resume", "nowhere"]).contains("nowhere: there is no such folder"));
+    assert!(place.fails(&["babble", "--resume", "nowhere"]).contains("nowhere: no such folder"));
 
     // Another touch than the one that is babbled, and more than were asked for.
     cut(&place, "whole", "changed", half);
@@ -279,14 +279,17 @@ fn what_cannot_be_gone_on_with_is_told_in_a_sentence_and_nothing_is_lost() {
     assert!(about["options"].as_object_mut().unwrap().remove("asked").is_some());
     fs::write(&path, about.to_string()).unwrap();
     let message = place.fails(&["babble", "--resume", "old"]);
-    assert!(message.contains("it is of another version") && message.contains("babble anew"), "{message}");
+    assert!(
+        message.contains("it was written by another version") && message.contains("babble again"),
+        "{message}"
+    );
 
     // One that is still at work.
     cut(&place, "whole", "busy", half);
     let held: File = OpenOptions::new().append(true).open(place.path("busy/touches.jsonl")).unwrap();
     held.lock().unwrap();
     let message = place.fails(&["babble", "--resume", "busy"]);
-    assert!(message.contains("another process is writing it"), "{message}");
+    assert!(message.contains("another process is writing to it"), "{message}");
     drop(held);
     place.succeeds(&["babble", "--resume", "busy"]);
 

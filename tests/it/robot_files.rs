@@ -261,8 +261,8 @@ fn what_a_format_has_no_place_for_is_reported() {
     };
     let changes = [("elbow.gain", Value::Number(1.03)), ("finger.compliance", Value::Number(1e-4))];
     let begin = [
-        "gain of elbow (1.030000) cannot be said in URDF: ",
-        "compliance of finger (1.000e-4 m/N) cannot be said",
+        "gain of elbow (1.030000) cannot be expressed in URDF: ",
+        "compliance of finger (1.000e-4 m/N) cannot be expressed",
     ];
     assert_left_out(&file(ARM).unwrap(), ARM, &changes, &begin);
     let mut table = file(CSV).unwrap();
@@ -299,7 +299,7 @@ fn angles_are_read_as_books_print_them() {
         assert!((read(text).unwrap() - expected).abs() < 1e-15, "{text}");
     }
     for text in ["pie", "pi/", "*pi", "pi//2", "q1", "", "theta+pi", "1/2/x", "pi/0"] {
-        assert!(read(text).unwrap_err().contains("which is no finite number"), "{text}");
+        assert!(read(text).unwrap_err().contains("not a finite number"), "{text}");
     }
 }
 
@@ -310,29 +310,29 @@ fn mistakes_in_urdf_get_a_sentence() {
         file(&ARM.replacen(from, to, 1)).unwrap_err()
     };
     let cases = [
-        (altered("<link name=\"hand\"/>", "<xacro:hand/>"), "line 22: <xacro:hand> is of Xacro, not URDF; "),
+        (altered("<link name=\"hand\"/>", "<xacro:hand/>"), "line 22: <xacro:hand> is Xacro, not URDF; "),
         (
             altered("0 0.2 0", "0 ${length} 0"),
-            "line 21: \"${length}\" in xyz of <origin> is no number; write it out",
+            "line 21: \"${length}\" in xyz of <origin> is not a number; expand it",
         ),
         (altered("0 0.2 0", "0 0.2"), "line 21: xyz of <origin> has 2 numbers; give it 3"),
-        (altered("0 0.2 0", "0,0.2,0"), "line 21: \"0,0.2,0\" in xyz of <origin> is no number; give one"),
+        (
+            altered("0 0.2 0", "0,0.2,0"),
+            "line 21: \"0,0.2,0\" in xyz of <origin> is not a number; use decimal points",
+        ),
         (
             altered("rpy=\"1.55", "rpy=\"90"),
             "line 13: rpy=\"90 -0.3 3.12\" of joint shoulder is more than a turn: ",
         ),
-        (altered("\"continuous\"", "\"hinge\""), "joint elbow is of the type \"hinge\"; "),
-        (
-            altered("\"continuous\"", "\"floating\""),
-            "joint elbow is floating, which an encoder does not read; ",
-        ),
+        (altered("\"continuous\"", "\"hinge\""), "joint elbow has type \"hinge\"; "),
+        (altered("\"continuous\"", "\"floating\""), "joint elbow is floating, which has no encoder; "),
         (
             altered("parent link=\"hand\"", "parent link=\"palm\""),
-            "joint finger names the link palm, which is not there",
+            "joint finger names the link palm, which does not exist",
         ),
-        (altered("parent link=\"base\"", "parent link=\"hand\""), "link upper is carried by itself; "),
+        (altered("parent link=\"base\"", "parent link=\"hand\""), "link upper is its own parent; "),
         (altered("joint=\"finger\"", "joint=\"thumb\""), "joint thumb mimics itself"),
-        (altered("name=\"elbow\"", "name=\"wrist\""), "line 21: there are two joints wrist; "),
+        (altered("name=\"elbow\"", "name=\"wrist\""), "line 21: two joints are called wrist; "),
         (altered("0.6 0 0.8", "0 0 0"), "the axis of joint finger has no direction"),
         (altered("'0.05'", "'0'"), "line 4: <sphere> of link base needs radius=\"…\" above 0; "),
     ];
@@ -349,34 +349,31 @@ fn mistakes_in_tables_get_a_sentence() {
         file(&text.replacen(from, to, 1)).unwrap_err()
     };
     let cases = [
-        (altered("alpha [deg]", "comment"), "robot, line 2: there is no column alpha: "),
+        (altered("alpha [deg]", "comment"), "robot, line 2: column alpha is missing: "),
         (
             altered("alpha [deg]", "alpha"),
             "robot, line 3: alpha of joint j1 is 90 radians: call it alpha_deg",
         ),
         (altered("a_mm", "a"), "robot, line 4: a of joint j2 is 250.5 metres: call it a_mm"),
         (altered("min_deg", "min"), "robot, line 3: min of joint j1 is -170 radians: call it min_deg"),
-        (altered("slide,10", "slide,q2"), "line 5: a of joint slide is \"q2\", which is no finite number: "),
-        (
-            altered("5,slide", "5,screw"),
-            "line 5: joint slide is of the kind \"screw\": give hinge, slide or fixed",
-        ),
+        (altered("slide,10", "slide,q2"), "line 5: a of joint slide is \"q2\", not a finite number: "),
+        (altered("5,slide", "5,screw"), "line 5: joint slide has kind \"screw\": give hinge, slide or fixed"),
         (
             altered("slide,j2", "slide,j9"),
-            "line 5: joint slide hangs on j9, which is neither a joint nor a link of a row above: ",
+            "line 5: the parent of joint slide, j9, is neither a joint nor a link of an earlier row: ",
         ),
-        (altered("slide,j2,,,300", "slide,j2,,90,"), "max of joint slide, which shifts, has another unit: "),
-        (altered(",,,,\r\nslide", ",,\r\nslide"), "line 4: it has 8 cells in place of 10: "),
-        (altered("fixed,j1", "fixed,base,,,\r\nj1,0,0,0,0,,"), "there are two joints j1: rename one"),
-        (file("joint;a;d").unwrap_err(), "line 1: its columns are not separated by commas: "),
-        (file("joint,a,d,alpha\n").unwrap_err(), "line 1: it has no joint: "),
         (
-            altered("modified", "paul"),
-            "line 2: the convention \"paul\" is not known: give standard or modified",
+            altered("slide,j2,,,300", "slide,j2,,90,"),
+            "max of joint slide, which shifts, has the wrong unit: ",
         ),
-        (altered("0.05,0.3,", "0.05,-9,"), "the range of joint slide leaves it no room"),
+        (altered(",,,,\r\nslide", ",,\r\nslide"), "line 4: it has 8 cells instead of 10: "),
+        (altered("fixed,j1", "fixed,base,,,\r\nj1,0,0,0,0,,"), "two joints are called j1: rename one"),
+        (file("joint;a;d").unwrap_err(), "line 1: its columns are not separated by commas: "),
+        (file("joint,a,d,alpha\n").unwrap_err(), "line 1: it has no joints: "),
+        (altered("modified", "paul"), "line 2: unknown convention \"paul\": give standard or modified"),
+        (altered("0.05,0.3,", "0.05,-9,"), "the range of joint slide is empty"),
         (altered("theta_deg", "theta_mm"), "column \"theta_mm\": theta is an angle: give it in rad or deg"),
-        (altered("d,alpha [deg]", "d [inch],alpha [deg]"), "the unit inch is not known: "),
+        (altered("d,alpha [deg]", "d [inch],alpha [deg]"), "unknown unit inch: "),
         (altered("\"comment\"", "weight"), "column \"weight\" is none of joint, parent, "),
     ];
     for (message, expected) in cases {

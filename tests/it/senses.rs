@@ -420,7 +420,7 @@ fn wrong_scripts_are_told_in_one_sentence() {
         (Some("{\"probes\": [".to_string()), "line 1"),
         (Some(r#"{"probes": [{"name": "finger", "path": [], "colour": "red"}]}"#.to_string()), "colour"),
         (Some(unknown), "third_elbow_01"),
-        (Some(backwards), "order of time"),
+        (Some(backwards), "order them by time"),
         (Some(script(json!([]))), "no path"),
         (Some(nowhere), "\"at\" or \"receptor\""),
         (None, "cannot be read"),

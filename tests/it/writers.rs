@@ -44,7 +44,7 @@ const MOST_FILLED: usize = 1 << 16;
 /// How long a command may take before it hangs.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What was found wrong, by its kind, and how much was tried.
+/// Estimated quantities wrong, by its kind, and how much was tried.
 #[derive(Default)]
 struct Findings {
     tried: BTreeMap<String, usize>,

@@ -1,4 +1,4 @@
-//! What a motion will touch first, as far as a schema tells.
+//! Predicting from a schema what a motion will touch first.
 
 use std::collections::BTreeSet;
 

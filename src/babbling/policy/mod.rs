@@ -36,7 +36,7 @@ pub trait Policy {
         false
     }
 
-    /// What was learned on the way by a policy that learns all that can be learned; none by others.
+    /// What was learned along the way by a policy that learns all that can be learned; none by others.
     fn grown(&self) -> Option<&Growth> {
         None
     }
@@ -91,6 +91,6 @@ policies! {
     /// Uniformly random postures.
     #[default]
     Random, "random" => |agent, _| Box::new(Random::new(agent.creature()));
-    /// Few joints at first, and more as they are known, until all is.
+    /// Few joints at first, more as they become known.
     Stages, "stages" => |agent, start| Box::new(Stages::new(agent, start));
 }

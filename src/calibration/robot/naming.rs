@@ -20,7 +20,9 @@ impl Robot {
                 }
                 if !whole && matches!(quantity.nominal, Value::Direction(_)) {
                     let name = &quantity.name;
-                    return Err(format!("{name} is one direction: say {pattern} without its last part"));
+                    return Err(format!(
+                        "{name} is a single direction: give {pattern} without its last part"
+                    ));
                 }
                 quantity.knowledge[component] = knowledge;
                 found = true;
@@ -34,7 +36,7 @@ impl Robot {
         names.sort_by_key(|name| levenshtein(pattern, name));
         let near = names[..names.len().min(4)].join(", ");
         format!(
-            "nothing of {} is called \"{pattern}\": name one of {near} … (* stands for any part of a name)",
+            "{} has nothing called \"{pattern}\": choose from {near} … (* matches any part of a name)",
             self.name
         )
     }

@@ -1,4 +1,4 @@
-//! `bodyschema calibrate`: put a robot's numbers right by its own touches.
+//! `bodyschema calibrate`: estimate a robot's calibration parameters from logged contacts.
 
 pub mod plan;
 mod results;
@@ -20,19 +20,19 @@ use crate::session::{
 };
 use crate::view::report::calibration::as_json;
 
-/// Put a robot's numbers right by its own touches.
+/// Estimate encoder offsets, joint poses and sensor mounts from logged contacts.
 ///
-/// From what its maker says of it and a log of touches. Whatever may be wrong has a name, such as elbow.offset,
-/// wrist.position or skin.orientation: what is free is found, what is nearly known is found near where it is said to be.
+/// It starts from the robot's nominal model and a log of contacts. Every quantity has a name, such as elbow.offset,
+/// wrist.position or hand.mount.orientation: --free estimates it, --prior estimates it near its given value, --fix keeps it.
 #[derive(clap::Args)]
 #[command(after_help = format!("Examples:
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --free '*.offset'
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --prior '*.offset=5deg' --joint-noise auto --folds 5
   bodyschema calibrate examples/robot/arms.urdf examples/robot/touches.csv --free '*.offset' --free 'left_hand.mount.*' --out calibrated\n\n{ROBOT_HELP}"))]
 pub struct CalibrateArguments {
-    /// The robot: URDF, MJCF, a table of Denavit and Hartenberg's numbers (CSV), or a description in JSON
+    /// The robot: URDF, MJCF, a table of Denavit-Hartenberg parameters (CSV), or a JSON description
     robot: PathBuf,
-    /// The log of touches: comma-separated values
+    /// The log of contacts (CSV)
     log: PathBuf,
     #[command(flatten)]
     unknowns: UnknownArguments,
@@ -40,8 +40,8 @@ pub struct CalibrateArguments {
     noise: NoiseArguments,
     #[command(flatten)]
     judging: JudgingArguments,
-    /// The folder for results: the robot with its new numbers, a page to read, tables of quantities, residuals and correlations,
-    /// and all as JSON
+    /// Folder for the results: the calibrated robot file, a report page, tables of quantities, residuals and
+    /// correlations, and everything as JSON
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -52,36 +52,36 @@ pub struct CalibrateArguments {
 }
 
 /// What robots and logs look like, for the help.
-const ROBOT_HELP: &str = r#"What may be unknown, by name; * stands for any part of one:
-  JOINT.position  JOINT.axis  JOINT.orientation        where a joint is and how it turns (of URDF: on its parent link)
-  BODY.position  BODY.orientation                      of MJCF: where a body is in its parent body; the axis is its joint's
-  JOINT.a  JOINT.alpha  JOINT.d  JOINT.theta           the same of a table of Denavit and Hartenberg's numbers
-  JOINT.offset  JOINT.sign  JOINT.gain  JOINT.compliance   what its encoder reads, and how far it gives way to a torque
-  LINK.mount.position  LINK.mount.orientation          where the skin is whose points are on a link
+const ROBOT_HELP: &str = r#"Names of quantities; * matches any part of a name:
+  JOINT.position  JOINT.axis  JOINT.orientation        pose of a joint (in URDF: on its parent link)
+  BODY.position  BODY.orientation                      MJCF: pose of a body in its parent body; the axis is its joint's
+  JOINT.a  JOINT.alpha  JOINT.d  JOINT.theta           Denavit-Hartenberg parameters, for a robot given by their table
+  JOINT.offset  JOINT.sign  JOINT.gain  JOINT.compliance   encoder and elasticity
+  LINK.mount.position  LINK.mount.orientation          pose of the sensor that measures the points on a link
   POINT.position  FRAME.position  SURFACE.radius       tools, receptors, patches, trackers, spheres
-  PLACE.position                                       where a fixed place of the log is, in the root's frame
-Columns of a log: limb_a, limb_b (links, points or surfaces), ax, ay, az, bx, by, bz, a_std, b_std, distance, touch (one
-name for contacts in one posture that nobody paired), place (in place of limb_b: a fixed place by its name, at bx, by, bz in
-the root's frame, or free where these are empty), time, and one for each joint. Metres and radians, or a unit behind the
-name, as in ax_mm and elbow_deg."#;
+  PLACE.position                                       a fixed place in the log, in the root's frame
+Columns of a log: limb_a, limb_b (links, points or surfaces), ax, ay, az, bx, by, bz, a_std, b_std, distance, touch (the
+same name for unpaired contacts in one posture), place (instead of limb_b: the name of a fixed place, at bx, by, bz in the
+root's frame, or free if these are empty), time, and one for each joint. Units are metres and radians unless the column's
+name ends in another, such as ax_mm or elbow_deg."#;
 
 /// What is unknown.
 #[derive(clap::Args)]
-#[command(next_help_heading = "What is unknown")]
+#[command(next_help_heading = "Unknowns")]
 struct UnknownArguments {
-    /// Quantities of which nothing is known, by name; * stands for any part of one
+    /// Quantities to estimate without a prior, by name; * matches any part of a name
     #[arg(long, value_name = "NAME")]
     free: Vec<String>,
-    /// Quantities that are as they are given
+    /// Quantities to keep at their given values
     #[arg(long, value_name = "NAME")]
     fix: Vec<String>,
-    /// Quantities that are nearly as they are given, to a standard deviation
+    /// Quantities to estimate near their given values, with this standard deviation
     #[arg(long, value_name = "NAME=DEVIATION")]
     prior: Vec<String>,
-    /// Points of the log that recur are receptors, each known to this deviation
+    /// Treat recurring points in the log as receptors whose positions are known to this standard deviation
     #[arg(long, value_name = "DEVIATION")]
     places: Option<String>,
-    /// What is known of joints, as for learn: positions and axes with their deviations
+    /// Prior knowledge of joints, as for learn: positions and axes with standard deviations
     #[arg(long, value_name = "FILE")]
     known: Option<PathBuf>,
 }
@@ -90,10 +90,10 @@ struct UnknownArguments {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Noise")]
 struct NoiseArguments {
-    /// Standard deviation of encoders, degrees (millimetres of slides), or auto: as much as the touches show
+    /// Standard deviation of the encoders, degrees (millimetres for slides), or auto to estimate it from the touches
     #[arg(long, value_name = "DEG|auto", default_value = "0", value_parser = joint_noise)]
     joint_noise: JointNoise,
-    /// Whether touches may be false: no, or maybe if the touches show it
+    /// Whether touches may be false: no, or maybe to infer it from the data
     #[arg(long, value_enum, default_value_t)]
     false_touches: FalseTouches,
 }
@@ -117,18 +117,18 @@ enum FalseTouches {
 
 /// How it is judged.
 #[derive(clap::Args)]
-#[command(next_help_heading = "Judging")]
+#[command(next_help_heading = "Validation")]
 struct JudgingArguments {
-    /// Touches that are not fitted to and by which the rest is judged: a share of the log, or another log
+    /// Held-out touches for validation: a share of the log, or another log
     #[arg(long, value_name = "SHARE|FILE")]
     held_out: Option<String>,
-    /// Divide the log anew so many times, with --held-out SHARE
+    /// Repeat the random split this many times, with --held-out SHARE
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = count)]
     splits: usize,
-    /// Divide the log into so many parts and hold out each in turn
+    /// Split the log into this many parts and hold out each in turn
     #[arg(long, value_name = "K", conflicts_with = "held_out", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
-    /// Divide the log by another seed
+    /// Seed of the random split
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
@@ -138,7 +138,7 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     if let Some(deviation) = &args.unknowns.places {
         let deviation = length(deviation).map_err(|fault| format!("--places: {fault}"))?;
         if add_places(&mut file.robot, &mut touches, deviation) == 0 {
-            tell!("{}: no point recurs: --places says nothing.", args.log.display());
+            tell!("{}: no point recurs, so --places has no effect", args.log.display());
         }
     }
     let robot = &file.robot;
@@ -148,7 +148,7 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     let spinner = progress::spinner("calibrating");
     let estimator = Estimator::new(robot, &touches, options);
     if estimator.unknowns.is_empty() && estimator.open_signs().is_empty() {
-        return Err("nothing is unknown: say what is by --free or --prior".into());
+        return Err("nothing to estimate: give quantities with --free or --prior".into());
     }
     let fit = estimator.fit();
     let judged = args.judging.judged(robot, &touches, options, (&estimator, &fit))?;
@@ -181,9 +181,10 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
     }
     let mut unplaced = std::mem::take(&mut file.unplaced);
     if let Some(known) = &args.unknowns.known {
-        let creature = file.creature.as_ref().ok_or_else(|| {
-            format!("{place} is no description in JSON: say what is known by --prior in place of --known")
-        })?;
+        let creature = file
+            .creature
+            .as_ref()
+            .ok_or_else(|| format!("{place} is not a JSON description: use --prior instead of --known"))?;
         let joints = read_known(known, creature)?;
         apply_known(&mut file.robot, creature, &joints);
         unplaced.retain(|name| {
@@ -194,8 +195,8 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
     }
     if let Some(name) = unplaced.first() {
         return Err(format!(
-            "{place}: nothing is said of where joint {name} is: give its position and axes, or --known, or learn from \
-             nothing with `bodyschema learn --creature {place} --log {}`",
+            "{place}: joint {name} has no position: give its position and axes, use --known, or learn from \
+             scratch with `bodyschema learn --creature {place} --log {}`",
             args.log.display()
         )
         .into());

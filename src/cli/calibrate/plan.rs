@@ -1,4 +1,4 @@
-//! `bodyschema plan`: what to measure next.
+//! `bodyschema plan`: selects the most informative touches.
 
 use std::path::PathBuf;
 
@@ -13,41 +13,41 @@ use crate::session::simulated::point_touches;
 use crate::session::{SessionRequest, calibration_table, name_of, read_robot};
 use crate::view::table::Table;
 
-/// Choose the touches that would tell most about what is unknown of a robot.
+/// Select the most informative touches for a calibration.
 ///
-/// From its model, with its shapes and the limits of its joints: it babbles in simulation, and of all touches that it
-/// finds those are chosen that together tell most, with what each would tell. The table is a list of postures to
-/// drive to, in degrees, with the limbs that meet there.
+/// The robot's model, with its shapes and joint limits, babbles in simulation. From the touches found, the set that
+/// together determines the unknowns best is selected. The table lists the postures to drive to, in degrees, the limbs
+/// that touch there, and the gain in precision from each.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema plan examples/robot/arms.urdf --free '*.offset' --out plan.csv
   bodyschema plan mjcf/bodies/two_arms.xml --free 'left_*.offset' --free 'left_*.gain' --touches 30 --between left_l7,right_l7")]
 pub struct PlanArguments {
-    /// The model: MJCF or URDF with shapes that may touch
+    /// The model: MJCF or URDF with collision shapes
     model: PathBuf,
-    /// How many touches to choose
+    /// Number of touches to select
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = count)]
     touches: usize,
-    /// How many touches to choose from
+    /// Number of candidate touches
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = count)]
     candidates: usize,
-    /// Only touches between these links, with commas between them
+    /// Only touches between these links, separated by commas
     #[arg(long, value_name = "LINKS", value_delimiter = ',')]
     between: Vec<String>,
     #[command(flatten)]
     unknowns: UnknownArguments,
-    /// Standard deviation of encoders, degrees
+    /// Standard deviation of the encoders, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.1, value_parser = not_negative, help_heading = "Noise")]
     joint_noise: f64,
-    /// Standard deviation of where touch is felt, millimetres
+    /// Standard deviation of contact points, millimetres
     #[arg(long, value_name = "MM", default_value_t = 1.0, value_parser = not_negative, help_heading = "Noise")]
     point_noise: f64,
-    /// Babble by another seed
+    /// Seed for babbling
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     model_arguments: ModelArguments,
-    /// The table of touches to make [default: printed]
+    /// File for the table of touches [default: standard output]
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
 }
@@ -58,7 +58,7 @@ pub fn run(args: &PlanArguments) -> Outcome {
     let limbs = embodied.creature().limbs().to_vec();
     if let Some(name) = args.between.iter().find(|name| !limbs.contains(name)) {
         return Err(
-            format!("--between: there is no link \"{name}\": name some of {}", limbs.join(", ")).into()
+            format!("--between: there is no link \"{name}\"; choose from {}", limbs.join(", ")).into()
         );
     }
     let spinner = progress::spinner("babbling");
@@ -75,11 +75,9 @@ pub fn run(args: &PlanArguments) -> Outcome {
         })
         .collect();
     if touches.is_empty() {
-        return Err(
-            "no touch was found between these links: name others, or babble more (--candidates)".into()
-        );
+        return Err("no touch found between these links: choose others, or babble more (--candidates)".into());
     }
-    spinner.set_message("choosing");
+    spinner.set_message("selecting");
     let estimator = Estimator::new(&robot, &touches, EstimatorOptions::default());
     let noise = estimator.noise(1e-3 * args.point_noise.max(1e-3), args.joint_noise.to_radians());
     let chosen = plan(&estimator, &robot.nominal(), &noise, args.touches);
@@ -107,10 +105,11 @@ fn table(robot: &Robot, touches: &[Touch], estimator: &Estimator, plan: &Plan) -
 
 /// What would be known after all of them.
 fn report(robot: &Robot, estimator: &Estimator, plan: &Plan, candidates: usize) {
-    say!("{}: {} of {candidates} touches chosen", robot.name, plan.touches.len());
-    let at_random = plan.at_random.map_or("no fewer than all".into(), |count| count.to_string());
+    say!("{}: {} of {candidates} touches selected", robot.name, plan.touches.len());
+    let at_random = plan.at_random.map_or("all".into(), |count| count.to_string());
     say!(
-        "  Touches will then be predicted to {} mm, as by {at_random} at random; no {} of these do better than {} mm.",
+        "  Expected prediction error {} mm, equivalent to {at_random} random touches (lower bound for any {} of \
+         these: {} mm).",
         output::number(1e3 * plan.predicted),
         plan.touches.len(),
         output::number(1e3 * plan.floor)

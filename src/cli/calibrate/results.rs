@@ -24,7 +24,7 @@ pub fn folder(out: &Path, force: Force, robot: &Path) -> Result<FolderLock, Fail
 /// Prints what a person wants to know.
 pub fn print(found: &Calibration) {
     let (touches, unknowns) = (found.touches.len(), found.estimator.unknowns.len());
-    say!("{}: {touches} touches, {unknowns} unknown numbers", found.robot.name);
+    say!("{}: {touches} touches, {unknowns} parameters to estimate", found.robot.name);
     say!("{}", found.verdict());
     if found.is_calibrated() {
         say!("{REACH}");
@@ -34,13 +34,15 @@ pub fn print(found: &Calibration) {
     found.held_out().iter().for_each(|sentence| say!("  {sentence}"));
     if found.fit.noise.false_share > 0.0 {
         let share = 100.0 * found.fit.noise.false_share;
-        say!("  {share:.1} % of the touches are taken to be false: residuals.csv (--out) says which");
+        say!("  {share:.1} % of the touches are classified as false; residuals.csv (--out) lists them");
     }
     say!("");
     output::table(&tables::quantities(found));
     found.untold().iter().for_each(|sentence| say!("  {sentence}"));
     for (a, b, correlation) in found.correlations(CORRELATED).into_iter().take(MOST_CORRELATIONS) {
-        say!("  {a} and {b} are known together much better than each (correlation {correlation:.3})");
+        say!(
+            "  {a} and {b} are strongly correlated ({correlation:.3}): their combination is known much better than either"
+        );
     }
 }
 
@@ -66,7 +68,7 @@ pub fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFi
 pub fn contents(lock: &FolderLock, path: &Path, file: &RobotFile) -> String {
     let [json, tables @ ..] = FILES;
     format!(
-        "{}: the {} with its new numbers, {REPORT_FILE}, {} and {json}",
+        "{}: the calibrated {}, {REPORT_FILE}, {} and {json}",
         lock.place().join(path.file_name().unwrap_or_default()).display(),
         file.format.name(),
         tables.join(", ")

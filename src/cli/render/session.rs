@@ -32,9 +32,7 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     let session = Session::read(&args.what)?;
     let place = args.what.display();
     if args.options.root.is_some() {
-        return Err(Failure(format!(
-            "{place}: a session knows which creature of its model it is of: leave out --root"
-        )));
+        return Err(Failure(format!("{place}: a session already determines the creature: leave out --root")));
     }
     let (agent, creature) = (&session.agent, session.agent.creature());
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
@@ -42,7 +40,7 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
         // A recording has no true body: the learned one is all there is to see.
         if agent.skin().surfaces.is_empty() {
             return Err(Failure(format!(
-                "{place}: nothing is known of how its limbs look: name a model with --model, or give surfaces in the creature's skin"
+                "{place}: the shapes of its limbs are unknown: give a model with --model, or surfaces in the creature's skin"
             )));
         }
         learned(&session, &read_schema()?, &args.what)?
@@ -73,7 +71,7 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
 fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {
     let log = args.what.join(TOUCHES_FILE);
     let mend = if count == 0 { "babble some first".into() } else { format!("give one from 1 to {count}") };
-    Failure(format!("{}: there is no touch {number} in it: {mend}", log.display()))
+    Failure(format!("{}: it has no touch {number}: {mend}", log.display()))
 }
 
 /// What learning went through.
@@ -81,7 +79,7 @@ fn checkpoints(args: &RenderArguments, creature: &Creature) -> Result<Vec<Checkp
     let record = LearningRecord::read(&args.what, creature)?;
     record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
         Failure(format!(
-            "{}: it has no checkpoints of learning: learn from it again with `bodyschema learn {0}`",
+            "{}: it has no checkpoints of learning: learn again with `bodyschema learn {0}`",
             args.what.display()
         ))
     })
@@ -95,7 +93,7 @@ fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body
         return Ok(body);
     }
     Err(Failure(format!(
-        "{}: its learned body cannot be drawn by itself: name the creature's model with --model",
+        "{}: its learned body cannot be drawn without a model: give the creature's with --model",
         folder.display()
     )))
 }

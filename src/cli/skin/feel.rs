@@ -1,4 +1,4 @@
-//! `bodyschema skin feel`: what a creature feels when it is touched.
+//! `bodyschema skin feel`: touches a creature and prints what it feels.
 
 use std::path::PathBuf;
 
@@ -20,22 +20,22 @@ use crate::simulation::{Stage, StageOptions, StepSenses, aura_event_json, event_
 /// How long the creature is watched after all is done to it, seconds.
 const AFTER: f64 = 0.1;
 
-/// Touch a creature and tell what it feels, as JSON lines while it happens
+/// Touch a creature and print what it feels, as JSON lines while it happens
 ///
-/// A script says which probes, balls of 8 mm, take which way:
+/// A script gives the paths of probes, balls of 8 mm:
 ///
 ///   {"probes": [{"name": "finger", "path": [
 ///     {"time": 0.0, "receptor": "left_forearm_05", "height": 0.03},
 ///     {"time": 0.3, "receptor": "left_forearm_05", "height": -0.005},
 ///     {"time": 0.4, "receptor": "left_forearm_05", "height": 0.03}]}]}
 ///
-/// A waypoint is a time in seconds and a place: a receptor, with how far above it the probe's surface is (below 0
-/// it presses, with 400 N for each metre), or "at", the probe's middle in the world's frame. Without a script
+/// A waypoint has a time in seconds and a position: either a receptor and the height of the probe's surface above it
+/// (if negative, the probe presses with 400 N per metre), or "at", the probe's centre in the world frame. Without a script
 /// the creature is touched at random.
 ///
-/// With --strokes it is stroked all over for so many minutes, and what it feels goes into a session's folder:
-/// firings.jsonl has which receptor fired and when, sensations.jsonl what the touch sensor made of it. `bodyschema skin map`
-/// learns from the former which receptors are neighbours; with --map the touch sensor goes by such a map.
+/// With --strokes it is stroked all over for this many minutes, and the results go into a session folder: firings.jsonl
+/// records which receptor fired when, sensations.jsonl the output of the touch sensor. `bodyschema skin map` learns from
+/// the firings which receptors are neighbours; with --map the touch sensor uses such a map.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 #[command(after_help = "Examples:
@@ -45,13 +45,13 @@ const AFTER: f64 = 0.1;
 pub struct FeelArguments {
     /// The MJCF or URDF file of a creature
     model: PathBuf,
-    /// What is done to the creature
+    /// The script of touches (JSON)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["stimulations", "seed"])]
     script: Option<PathBuf>,
-    /// How often it is touched at random
+    /// Number of random touches
     #[arg(long, default_value_t = 5)]
     stimulations: u32,
-    /// Stroke it at random for so many simulated minutes, and write a session
+    /// Stroke it at random for this many simulated minutes and write a session
     #[arg(long, value_name = "MINUTES", value_parser = minutes, conflicts_with_all = ["script", "stimulations"])]
     strokes: Option<f64>,
     /// The session's folder, with --strokes [default: the first free of sessions/CREATURE-1, -2, …]
@@ -59,7 +59,7 @@ pub struct FeelArguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// A map of neighbours that `bodyschema skin map` learned, for the touch sensor [default: that of the geometry]
+    /// Neighbour map for the touch sensor, as learned by `bodyschema skin map` [default: from the geometry]
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Seed of the random touches
@@ -83,7 +83,7 @@ pub fn run(args: &FeelArguments) -> Outcome {
         stage.sense(|sensor| *sensor = TouchSensor::new(map, stage.skin()));
     }
     if stage.skin().receptors.is_empty() {
-        return Err(Failure(format!("{}: nothing of this creature can be touched", args.model.display())));
+        return Err(Failure(format!("{}: this creature has no touchable surface", args.model.display())));
     }
     if let Some(minutes) = args.strokes {
         return strokes(args, &stage, minutes);
@@ -122,7 +122,7 @@ fn strokes(args: &FeelArguments, stage: &Stage, minutes: f64) -> Outcome {
     bar.finish_and_clear();
     lock.commit()?;
     let place = lock.place().display();
-    say!("{sensed} sensations and {fired} firings in {minutes} minutes; the session is in {place}");
+    say!("{sensed} sensations and {fired} firings in {minutes} minutes, written to {place}");
     Ok(())
 }
 

@@ -12,12 +12,12 @@ use crate::session::{FIRINGS_FILE, ReadLock, Session, read_firings, write_map};
 use crate::skin::SomatotopicMap;
 use crate::view::table::Table;
 
-/// Learn which receptors are neighbours from nothing but when they fired.
+/// Learn which receptors are neighbours from firing times alone.
 ///
-/// Receptors that fire one after the other under strokes are neighbours, on one limb and across joints. The log of a
-/// session that `bodyschema skin feel --strokes` wrote is read, the map is learned, and it is compared with the one that the
-/// places of the receptors give: how many of its pairs were learned (recall), and how many of the learned pairs it has
-/// (precision). What --out writes `bodyschema skin feel --map` gives to the touch sensor.
+/// Receptors that fire one after the other during strokes are neighbours, on one limb and across joints. The map is
+/// learned from a session written by `bodyschema skin feel --strokes` and compared with the one given by the receptors'
+/// positions: the share of its pairs that were learned (recall), and the share of the learned pairs that it contains
+/// (precision). `bodyschema skin feel --map` uses the file written by --out.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema skin feel mjcf/max/max.xml --strokes 20 --out sessions/stroked     # takes minutes
@@ -27,7 +27,7 @@ use crate::view::table::Table;
 pub struct MapArguments {
     /// The session's folder
     session: PathBuf,
-    /// Where to write the learned map, as JSON
+    /// File for the learned map (JSON)
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Print one JSON object
@@ -43,7 +43,7 @@ pub fn run(args: &MapArguments) -> Outcome {
     let log = args.session.join(FIRINGS_FILE);
     if !log.exists() {
         return Err(Failure(format!(
-            "{}: there is no such file: record one with `bodyschema skin feel MODEL --strokes MINUTES --out DIR`",
+            "{}: no such file: record one with `bodyschema skin feel MODEL --strokes MINUTES --out DIR`",
             log.display()
         )));
     }
@@ -95,8 +95,8 @@ pub fn run(args: &MapArguments) -> Outcome {
     let shares = |of: &MapAgreement| [of.recall(), of.precision(), of.agreement()].map(output::number);
     let [recall, precision, agreement] = shares(&all);
     say!(
-        "\nof the pairs of the geometry {recall} were learned, of the learned pairs {precision} are the geometry's: agreement \
-         {agreement}"
+        "\nrecall {recall} (geometric pairs that were learned), precision {precision} (learned pairs that are \
+         geometric), agreement {agreement}"
     );
     if across.geometric + across.learned > 0 {
         let [recall, precision, _] = shares(&across);

@@ -12,11 +12,10 @@ use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
 
 /// Grow a skin of touch receptors on a model.
 ///
-/// Every surface that can be touched and has no touch sensors is tiled with flat receptors, written into a copy
-/// of the model as sites with touch sensors; hinges and slides get joint sensors, and bodies and joints without
-/// names get some. A tuple `limb/NAME` in the model names the bodies of a limb, and the `prm` of each body there
-/// is the area of its receptors in cm². Where neither the model nor an option says how large receptors are, some
-/// 250 cover the creature, however large it is.
+/// Every touchable surface without touch sensors is tiled with flat receptors, written into a copy of the model as
+/// sites with touch sensors; hinges and slides get joint sensors, and unnamed bodies and joints get names. A tuple
+/// `limb/NAME` in the model names the bodies of a limb, and the `prm` of each body there is the area of its receptors
+/// in cm². If neither the model nor an option gives the size of receptors, about 250 cover the creature, whatever its size.
 #[derive(clap::Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -35,16 +34,16 @@ pub struct SkinArguments {
     model: Option<PathBuf>,
     #[command(flatten)]
     open: ModelArguments,
-    /// Where to write the model with its skin; standard output if left out
+    /// File for the model with its skin [default: standard output]
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
-    /// How many receptors to grow; more where a surface needs more to be covered
+    /// Number of receptors; surfaces that need more to be covered get more
     #[arg(long, value_name = "N", group = "size", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     receptors: Option<u32>,
-    /// Side of a receptor in metres, whatever the model says
+    /// Side of a receptor, metres; overrides the model
     #[arg(long, value_name = "M", group = "size", value_parser = positive)]
     spacing: Option<f64>,
-    /// How many times as many receptors a limb has on the same area, by its tuple's or body's name; repeatable
+    /// Relative receptor density of a limb, by its tuple's or body's name; repeatable
     #[arg(long, value_name = "LIMB=FACTOR", value_parser = denser)]
     denser: Vec<(String, f64)>,
 }

@@ -25,23 +25,23 @@ const TABLE_FILE: &str = "gallery.json";
 /// How the page begins.
 const HEADING: &str = "# Gallery
 
-Touches and seconds are of the sessions by receptors: the median, and in parentheses the most. The worst is the greatest error of
-located skin, in another limb's frame, over random postures.
+Touches and seconds are those of the sessions from receptors: median, and maximum in parentheses. Worst is the largest surface
+error of a located limb in another limb's frame, over random postures.
 
 ";
 /// The columns of its table.
 const COLUMNS: [&str; 8] =
-    ["", "body", "joints, DOF", "receptors", "touches", "seconds", "by receptors", "by contact points"];
+    ["", "body", "joints, DOF", "receptors", "touches", "seconds", "from receptors", "from contact points"];
 /// Width and height of a picture, pixels.
 const PICTURE: [usize; 2] = [320, 240];
 /// What touches report, in the order of the table's columns.
 const INPUTS: [Input; 2] = [Input::Receptor, Input::Contact];
 
-/// Babble many bodies, one after the other, and put the results for each on a page with its picture.
+/// Learn many bodies, one after the other, and write a page with a picture and the results of each.
 ///
-/// Each body is drawn, and babbled by receptors and by contact points, so often, with default options. A claim is compared with
-/// the model: what is not named must be right. What cannot be read, cannot touch itself, or is not learned is reported in its row,
-/// in the program's own words.
+/// Each body is rendered, and learned from receptors and from contact points with default options. Claims are compared
+/// with the model: every limb that is not reported as undetermined must be right. A body that cannot be read, has no
+/// self-contact or is not learned is reported in its row with the program's message.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema study gallery mjcf/hexapod/hexapod.xml mjcf/snake/snake.xml --trials 1 --out bodies    # takes minutes
@@ -50,10 +50,10 @@ pub struct GalleryArguments {
     /// MJCF files of creatures
     #[arg(required = true)]
     models: Vec<PathBuf>,
-    /// Sessions by each input, with seeds of their own
+    /// Sessions per input, each with its own seed
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     trials: u16,
-    /// Seed of the first trial; the next ones count on from it
+    /// Seed of the first trial; the others follow consecutively
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The gallery's folder
@@ -68,7 +68,7 @@ pub struct GalleryArguments {
 
 pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
-    let last = last.ok_or("the last trial's seed would be too great: give a smaller --seed")?;
+    let last = last.ok_or("the last trial's seed would be too large: give a smaller --seed")?;
     let files = [PAGE_FILE, TABLE_FILE];
     let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
     let out = lock.folder();
@@ -90,7 +90,7 @@ pub fn run(args: &GalleryArguments) -> Outcome {
         return output::json(&table);
     }
     say!("{}", page(&bodies).trim_end());
-    say!("\n{PAGE_FILE}, {TABLE_FILE} and the pictures are in {}", args.out.display());
+    say!("\n{PAGE_FILE}, {TABLE_FILE} and the pictures were written to {}", args.out.display());
     Ok(())
 }
 

@@ -7,26 +7,26 @@ use serde_json::json;
 use crate::cli::{Outcome, output};
 use crate::study::generated::GeneratedBody;
 
-/// Make a body from a seed, as an MJCF file.
+/// Generate a random body from a seed, as an MJCF file.
 ///
-/// Chains, snakes, stars, humanoids, walkers, robot arms, hands and random trees, of limbs from 1 cm to 10 m, with hinges,
-/// slides and balls, axes straight and skewed, shapes of five kinds: drawn at random, and without a look at what can be
-/// learned of them. The same seed gives the same file on every machine. `bodyschema study bodies` learns them.
+/// Bodies are chains, snakes, stars, humanoids, walkers, robot arms, hands and random trees, with limbs from 1 cm to 10
+/// m, hinges, slides and balls, straight and skewed axes, and shapes of five kinds. Whether they can be learned plays
+/// no part in the draw. The same seed gives the same file on every machine. `bodyschema study bodies` learns them.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema study generate --seed 7 --out body-7.xml
   bodyschema study generate --seed 1 --count 20 --out bodies")]
 pub struct GenerateArguments {
-    /// The body's seed; of several bodies the first one's
+    /// Seed of the body, or of the first of several
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// How many bodies, a seed each; they go into a folder, as body-SEED.xml
+    /// Number of bodies, with consecutive seeds, written to a folder as body-SEED.xml
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), requires = "out")]
     count: Option<u32>,
-    /// The file to write, with --count the folder; standard output if left out
+    /// File to write or, with --count, the folder [default: standard output]
     #[arg(long, short, value_name = "PATH", help_heading = "Output")]
     out: Option<PathBuf>,
-    /// Print what was drawn as one JSON object, a line per body
+    /// Print the bodies' properties as JSON, one object per line
     #[arg(long, requires = "out", help_heading = "Output")]
     json: bool,
 }
@@ -41,7 +41,7 @@ pub fn run(args: &GenerateArguments) -> Outcome {
         return write(&body, out, args.json);
     };
     let last = args.seed.checked_add(u64::from(count) - 1);
-    let last = last.ok_or("the last body's seed would be too great: give a smaller --seed")?;
+    let last = last.ok_or("the last body's seed would be too large: give a smaller --seed")?;
     for seed in args.seed..=last {
         let body = GeneratedBody::new(seed);
         write(&body, &out.join(format!("{}.xml", body.name())), args.json)?;

@@ -1,4 +1,4 @@
-//! `bodyschema study merge`: puts together what several processes made.
+//! `bodyschema study merge`: merges shares made by several processes.
 
 use std::path::{Path, PathBuf};
 
@@ -16,24 +16,24 @@ use crate::share::Share;
 use crate::study::{Findings, StudyShare};
 use crate::view::text::shell_words;
 
-/// Put together the shares of a session or of a study.
+/// Merge the shares of a session or a study.
 ///
-/// The shares were made with `babble … --shard 1/16 --out DIR` and so on, or `study … --shard`, each by a process of its
-/// own. The log of touches, or the table of the study, becomes byte for byte the one that a single process would have
-/// written; from the log the body schema is learned as `babble` does. Shares that are missing or were interrupted are named, and
-/// only they are to be made again. Can be called again at any time: it goes on where it was interrupted.
+/// The shares were made by separate processes, with `babble … --shard 1/16 --out DIR` and so on, or `study … --shard`.
+/// The merged log, or the study's table, is byte for byte what a single process would have written; the body schema is
+/// then learned from the log as in `babble`. Missing and interrupted shares are listed; only those have to be made
+/// again. The command can be repeated at any time and resumes where it was interrupted.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema study merge sessions/big
-  bodyschema study merge sessions/big --missing      # the numbers of shares that are to be made, as in 4,7
-See docs/many.md for scripts that make all shares by Slurm, GNU parallel or HyperQueue.")]
+  bodyschema study merge sessions/big --missing      # shares still to be made, such as 4,7
+See docs/many.md for scripts that make all shares with Slurm, GNU parallel or HyperQueue.")]
 pub struct MergeArguments {
-    /// The folder that was given to all shares with --out
+    /// The folder given to all shares with --out
     folder: PathBuf,
-    /// Only print the numbers of the shares that are missing or were interrupted, separated by commas
+    /// Only print the numbers of missing and interrupted shares, separated by commas
     #[arg(long)]
     missing: bool,
-    /// Threads; they change nothing but the time [default: one per core]
+    /// Number of threads; affects only the running time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// Print one JSON object
@@ -72,7 +72,7 @@ fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcom
     if folder.join(STUDY_FILE).exists() {
         // One who was killed when all was done left nothing to do but this.
         drop(FolderLock::take(folder)?);
-        tell!("{} is complete: nothing is left to do", folder.display());
+        tell!("{} is complete: nothing left to do", folder.display());
         return Ok(());
     }
     let findings = Findings::of_shares(made)?;
@@ -105,7 +105,7 @@ fn refusal(folder: &Path, unready: &Unready) -> Failure {
         command => format!("; the others were made as in `{command}`"),
     };
     let what = what.join("; ");
-    Failure(format!("{}: of its shares some are {what}: make them{first}{rest}{like}", folder.display()))
+    Failure(format!("{}: some shares are {what}: make them{first}{rest}{like}", folder.display()))
 }
 
 /// Shares by their names, not all of very many.

@@ -29,11 +29,11 @@ const FILES: [&str; 2] = [STUDY_FILE, TABLE_FILE];
 /// Where trials are until all are made, in the study's folder.
 const TRIALS_FOLDER: &str = ".trials";
 
-/// Repeat a measurement over several seeds: a table, its data and a summary.
+/// Repeat a measurement over several seeds and write a table, its data and a summary.
 ///
-/// Trial by trial, each with a seed of its own, every case of the study is measured against the model. Trials run on all
-/// cores. Everything goes into a folder: study.json with all options, seeds and numbers, study.csv with a row per
-/// measurement. The same command goes on with a study that was interrupted.
+/// Each trial has its own seed and compares every case of the study with the model. Trials run on all cores. The
+/// results go into a folder: study.json with all options, seeds and numbers, study.csv with one row per measurement.
+/// The same command resumes an interrupted study.
 #[derive(clap::Args)]
 #[command(
     args_conflicts_with_subcommands = true,
@@ -70,11 +70,11 @@ struct RunArguments {
     open: ModelArguments,
     #[command(flatten)]
     options: StudyOptions,
-    /// The joints that move: a set that the model names (torso), all, or names separated by commas
-    /// [default: torso if the model names it, else all]
+    /// The joints that move: a joint set named in the model (torso), all, or names separated by commas [default: torso
+    /// if the model names it, else all]
     #[arg(long)]
     joints: Option<JointSelection>,
-    /// Threads; they change nothing but the time [default: one per core]
+    /// Number of threads; affects only the running time [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// The study's folder [default: studies/NAME, or the first free of studies/NAME-2, -3, …]
@@ -82,9 +82,9 @@ struct RunArguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// Make only this share of the trials, as in 3/16: other processes, here or elsewhere, make the others, and `bodyschema
-    /// study merge DIR` makes of all what one process would have made. The same command goes on with a share that was
-    /// interrupted
+    /// Make only this share of the trials, such as 3/16. Other processes, on this machine or others, make the rest, and
+    /// `bodyschema study merge DIR` merges all shares into what a single process would have written. The same command
+    /// resumes an interrupted share
     #[arg(long, value_name = "SHARE", requires = "out", conflicts_with = "force", help_heading = "Output")]
     shard: Option<Share>,
     /// Print one JSON object
@@ -95,7 +95,7 @@ struct RunArguments {
 /// A study by its name, which shells complete.
 fn study() -> impl TypedValueParser<Value = &'static Study> {
     let choices = STUDIES.iter().map(|study| PossibleValue::new(study.name).help(study.about));
-    PossibleValuesParser::new(choices).try_map(|name| Study::of_name(&name).ok_or("there is no such study"))
+    PossibleValuesParser::new(choices).try_map(|name| Study::of_name(&name).ok_or("unknown study"))
 }
 
 pub fn run(args: &StudyArguments) -> Outcome {
@@ -104,7 +104,7 @@ pub fn run(args: &StudyArguments) -> Outcome {
         (Some(StudyCommand::Gallery(args)), _) => gallery::run(args),
         (Some(StudyCommand::Merge(args)), _) => merge::run(args),
         (None, Some(study)) => in_threads(args.study.jobs, || args.study.run(study)),
-        (None, None) => Err("name a study: `bodyschema study --help` lists them".into()),
+        (None, None) => Err("give a study; `bodyschema study --help` lists them".into()),
     }
 }
 
@@ -147,7 +147,7 @@ impl RunArguments {
             if let Some((_, what)) = given.into_iter().find(|(given, _)| *given) {
                 let name = study.name;
                 return Err(Failure(format!(
-                    "study {name} makes what it is of by its seeds: leave out {what}"
+                    "study {name} generates its subjects from seeds: leave out {what}"
                 )));
             }
             None
@@ -195,7 +195,7 @@ impl RunArguments {
             return output::json(&json!({"share": share.to_string(), "trials": count, "folder": place}));
         }
         say!("share {share}: {}, in {}", plural(count, "trial"), place.display());
-        say!("next, when all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
+        say!("once all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
         Ok(())
     }
 }
@@ -212,9 +212,9 @@ fn sweep(folder: &Path) {
 fn make(run: &StudyRun, share: &StudyShare, folder: &Path) -> Outcome {
     let (all, missing) = (share.seeds().len(), share.missing(folder).len());
     if missing == 0 {
-        tell!("{} is complete: nothing is left to do", folder.display());
+        tell!("{} is complete: nothing left to do", folder.display());
     } else if missing < all {
-        tell!("{}: {} of {all} trials are there; going on", folder.display(), all - missing);
+        tell!("{}: {} of {all} trials are present; resuming", folder.display(), all - missing);
     }
     let bar: ProgressBar = progress::steps(all as u64);
     bar.set_position((all - missing) as u64);
@@ -240,6 +240,6 @@ fn save(findings: &Findings, lock: &FolderLock, as_json: bool) -> Outcome {
     output::table(&Table::of_study(&findings.summary()));
     say!("");
     findings.notes().iter().for_each(|line| say!("{line}"));
-    say!("{TABLE_FILE} and {STUDY_FILE} are in {}", place.display());
+    say!("{TABLE_FILE} and {STUDY_FILE} were written to {}", place.display());
     Ok(())
 }

@@ -108,7 +108,7 @@ impl Group {
     }
 
     /// How far they are from a thing on the straight way to a posture and from all of its course once there, up to
-    /// [`WANTED`], metres; none where they would meet each other or what else is known to be there.
+    /// [`WANTED`], metres; `None` if they would meet each other or what else is known to be there.
     pub fn way(
         &self,
         own: &OwnBody,
@@ -136,7 +136,7 @@ impl Group {
 }
 
 impl Search<'_> {
-    /// A posture with what is to be kept where it is to be; none where it cannot be there.
+    /// A posture with what is to be kept where it is to be; `None` if it cannot be there.
     fn keeping(&self, posture: Posture) -> Option<Posture> {
         let Some((goal, joints)) = self.goal else { return Some(posture) };
         let target = Place { limb: 0, point: goal.point, direction: Vector3::zeros() };
@@ -147,7 +147,7 @@ impl Search<'_> {
         (reach.miss < AT_GOAL).then_some(reach.posture)
     }
 
-    /// How far a posture keeps from the course, up to [`WANTED`]; none where that is not more than `enough` or where limbs
+    /// How far a posture keeps from the course, up to [`WANTED`]; `None` if that is not more than `enough` or where limbs
     /// are in the way of each other.
     fn rate(&self, posture: Posture, enough: f64) -> Option<Rated> {
         let posture = self.keeping(posture)?;
@@ -216,7 +216,7 @@ impl Search<'_> {
 
 impl Avoiding {
     /// A way out of the course of a thing for limbs that it threatens, with as few joints as will do, and so that a place
-    /// stays where it is to be if it can; none where nothing is better than to stay. Joints that moved `before` go on to
+    /// stays where it is to be if it can; `None` if nothing is better than to stay. Joints that moved `before` go on to
     /// where they go in `base`.
     pub(super) fn way_out(
         &mut self,

@@ -120,7 +120,7 @@ impl Avoiding {
         holder.map_or_else(|| actor.own.joints_to(goal.place.limb), |hand| hand.arm.clone())
     }
 
-    /// The posture after a step; none where it stays as it is.
+    /// The posture after a step; `None` if it stays as it is.
     pub(super) fn towards(&self, actor: &Actor, now: &[f64], goal: Option<PlaceGoal>) -> Option<Posture> {
         let own = &actor.own;
         let seconds = actor.handle.timestep();

@@ -1,4 +1,4 @@
-//! What a creature keeps in mind beside its body: the things that it felt, what it did, what it is not to do.
+//! A creature's memory besides its body: the things it felt, what it did, what it must not do.
 
 use nalgebra::Vector3;
 

@@ -79,7 +79,7 @@ pub struct Conversation {
     pub actor: Actor,
     language: Language,
     mind: Mind,
-    /// Its search of the table, as far as it got; none where what stands on it may have changed since.
+    /// Its search of the table, as far as it got; `None` if what stands on it may have changed since.
     search: Option<Search>,
     pending: Option<Pending>,
     last: Option<Request>,
@@ -169,7 +169,7 @@ impl Conversation {
         let id = &self.actor.own.skin().receptors[receptor].id;
         let feels = format!("I feel you touch my {} (receptor {id})", self.limb_in_words(receptor));
         let answer = match self.doubt() {
-            _ if self.mind.still => Answer::tells(format!("{feels}, and keep still")),
+            _ if self.mind.still => Answer::tells(format!("{feels}, and am keeping still")),
             Some(doubt) => Answer::failed(format!("{feels}. {doubt}")),
             None => {
                 self.leave_spot();
@@ -237,7 +237,7 @@ impl Conversation {
         let feels_first = handles && self.mind.things.is_empty() && intent == Intent::Touch && request.any;
         match self.mind.things.it().map(|known| known.id) {
             None if handles && !feels_first && self.mind.things.is_empty() => {
-                let said = "I have not felt anything yet: ask me to feel about first";
+                let said = "I have not felt anything yet: ask me to feel around first";
                 return Ok(self.reply(intent, Answer::failed(said)));
             }
             None if handles && !feels_first => {
@@ -319,7 +319,7 @@ impl Conversation {
         }
     }
 
-    /// What either hand reaches, and then what the tip of a stick does that is known; none where that cannot be told.
+    /// What either hand reaches, and then what the tip of a stick does that is known; `None` if that cannot be told.
     fn reachable(&self) -> Option<&[ReachableMap]> {
         let made = self.reachable.get_or_init(|| {
             let (own, bare, stick) = (&self.actor.own, self.actor.bare(), self.actor.stick());

@@ -1,4 +1,4 @@
-//! How a creature says where things are, what it did, and what went wrong.
+//! Sentences about where things are, what the creature did, and what went wrong.
 
 use nalgebra::Vector3;
 use serde_json::json;
@@ -18,7 +18,7 @@ pub(super) fn cm(metres: f64) -> String {
     format!("{:.0} cm", 100.0 * metres.max(0.0))
 }
 
-/// Where a point is along an axis, by the words for either way, with what follows them; `None` where it is nearer than `least`.
+/// Where a point is along an axis, by the words for either way, with what follows them; `None` if it is nearer than `least`.
 fn along(metres: f64, least: f64, [ahead, behind]: [&str; 2], of: &str) -> Option<String> {
     let way = if metres < 0.0 { behind } else { ahead };
     (metres.abs() >= least).then(|| format!("{} {way}{of}", cm(metres.abs())))
@@ -86,14 +86,12 @@ impl Conversation {
         in_words(aura.unwrap_or(&creature.limbs()[limb]))
     }
 
-    /// What it says where it does not know its body well enough; none where it does.
+    /// What it says where it does not know its body well enough; `None` if it does.
     pub(super) fn doubt(&self) -> Option<String> {
         let actor = &self.actor;
         let [a, b] = actor.hands.each_ref().map(|hand| actor.own.place(hand.tip));
         let doubt = actor.own.trusts(&actor.posture(), [a.limb, b.limb], &a.point).err()?;
-        Some(format!(
-            "I do not know my body well enough for this: {doubt}. I should babble and touch myself more first"
-        ))
+        Some(format!("I do not know my body well enough for this: {doubt}. I should babble more first"))
     }
 
     /// Asks which of the things is meant.
@@ -144,8 +142,8 @@ impl Conversation {
         let touched = touching.is_some();
         let words = match (intent, done, self.mind.things.it()) {
             (Intent::Explore, ..) => match touching.filter(|_| done) {
-                Some(known) => format!("felt about and found something {}", self.place(&known.at)),
-                None => "felt about and found nothing new".to_string(),
+                Some(known) => format!("felt around and found something {}", self.place(&known.at)),
+                None => "felt around and found nothing new".to_string(),
             },
             (_, false, _) => format!("tried to {doing}, but could not"),
             (Intent::Touch, true, _) => {

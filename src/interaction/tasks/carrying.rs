@@ -1,4 +1,4 @@
-//! Carrying what is held to a spot: all of the way is planned before it moves, up, over, and down.
+//! Carrying a held thing to a spot: the whole path, up, over and down, is planned in advance.
 
 use nalgebra::Vector3;
 

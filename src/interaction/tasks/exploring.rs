@@ -120,7 +120,7 @@ impl Actor {
     }
 
     /// Sweeps the table with a hand until something is felt, by whatever part of the arm, at last on its way back to where
-    /// it waits. None where all that it reaches is empty. The table must be known.
+    /// it waits. `None` if all that it reaches is empty. The table must be known.
     ///
     /// # Errors
     /// [`Trouble`].

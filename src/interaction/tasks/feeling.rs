@@ -155,7 +155,7 @@ impl Actor {
     }
 
     /// Takes the limb off for the first time: back the way that it came, or, where it did not come by itself, along one of the
-    /// normals of its patch. The surface as it is first thought of; none where the limb does not come off.
+    /// normals of its patch. The surface as it is first thought of; `None` if the limb does not come off.
     fn comes_off(
         &mut self,
         found: &FoundThing,

@@ -27,7 +27,7 @@ const MOTIONS: usize = 400;
 const MOST: usize = 160;
 /// … and those that it takes at the least.
 const LEAST: usize = 24;
-/// With every joint of the arms between the two places, so many of the last touches must have been foretold, …
+/// With every joint of the arms between the two places, so many of the last touches must have been predicted, …
 const FORETOLD: usize = 5;
 /// … nearer than this, metres, however unsure the learner is, …
 const NEAR: f64 = 5e-4;
@@ -69,7 +69,7 @@ pub enum FeltOver {
     },
 }
 
-/// What a touch told: its number, the joints between its places, and whether it was not foretold.
+/// What a touch told: its number, the joints between its places, and whether it was not predicted.
 struct Told {
     number: usize,
     chain: Chain,
@@ -106,8 +106,8 @@ impl Actor {
         self.unexpected = unexpected.or(self.unexpected);
     }
 
-    /// The two receptors that last touched where the schema did not have it, and how far apart it had them, metres; none
-    /// where that did not happen since it was asked.
+    /// The two receptors that last touched where the schema did not have it, and how far apart it had them, metres; `None`
+    /// if that did not happen since it was asked.
     pub fn take_unexpected(&mut self) -> Option<([usize; 2], f64)> {
         self.unexpected.take()
     }
@@ -133,7 +133,7 @@ impl Actor {
             let before = learner.surprises().len();
             learner.touch(&touch);
             touches += 1;
-            // Of joints of which nothing is known nothing can be foretold.
+            // Of joints of which nothing is known nothing can be predicted.
             if let (Some(&surprising), Some(expected)) =
                 (learner.surprises().get(before), learner.expectation())
             {
@@ -155,7 +155,7 @@ impl Actor {
         Ok(FeltOver::Unexplained { touches })
     }
 
-    /// Whether a learner has foretold the last touches with every joint of the arms, and nearly all since the body was last
+    /// Whether a learner has predicted the last touches with every joint of the arms, and nearly all since the body was last
     /// found to have changed.
     fn is_foretold(&self, learner: &Online, told: &[Told]) -> bool {
         let changed = learner.changes().last().map(|change| change.touch);

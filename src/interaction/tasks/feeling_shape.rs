@@ -1,4 +1,4 @@
-//! Feeling the shape of a thing with the fingertips: touch after touch, each where most is unknown.
+//! Feeling the shape of a thing with the fingertips: each touch goes where uncertainty is greatest.
 
 use std::collections::BTreeSet;
 

@@ -265,7 +265,7 @@ impl Actor {
         Ok(())
     }
 
-    /// Closes the palms, and tells how far towards the fingertips they feel the thing, metres; none where there is nothing
+    /// Closes the palms, and tells how far towards the fingertips they feel the thing, metres; `None` if there is nothing
     /// between them, which leaves them apart.
     fn feel_sides(&mut self, grip: &mut Grip, apart: [f64; 2]) -> Result<Option<f64>, Trouble> {
         match self.close(grip) {
@@ -524,7 +524,7 @@ impl Actor {
         self.over_table(&self.feels_at(contact.spot.receptor).0).is_some_and(|height| height < LOW)
     }
 
-    /// How high a point of the root's frame is over the table, metres; none where no table is known.
+    /// How high a point of the root's frame is over the table, metres; `None` if no table is known.
     pub(super) fn over_table(&self, point: &Vector3<f64>) -> Option<f64> {
         self.table.map(|table| point.dot(&self.up) - table)
     }

@@ -133,7 +133,7 @@ impl Actor {
             let Hand { arm, tip, limb, .. } = &self.hands[hand].clone();
             let root = frames[arm[0] + 1].origin;
             let length = (frames[*limb].origin - root).norm();
-            // What is near each other at ease is so for good.
+            // What is near each other in the rest posture is so for good.
             let clearance =
                 self.clearance.moved_by(&self.own, arm).eased_at(std::slice::from_ref(&frames), WAITING);
             let mut bent = posture.clone();
@@ -189,7 +189,7 @@ impl Actor {
     /// Goes to a posture, moving both arms and what carries them, on a way that keeps clear.
     ///
     /// # Errors
-    /// [`Trouble`] where there is no way or something is felt on it.
+    /// [`Trouble`] if there is no path or something is felt on it.
     pub fn go(&mut self, target: &[f64]) -> Result<(), Trouble> {
         let from = self.posture();
         let joints: Vec<usize> = self.hands.iter().flat_map(|hand| hand.leaning.clone()).collect();

@@ -1,4 +1,4 @@
-//! Putting what is held somewhere else: far away, near, leaning where the arm is too short.
+//! Putting a held thing somewhere else: far away, near, leaning if the arm is too short.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -17,7 +17,7 @@ const MARGIN: f64 = 0.002;
 const AIMED_MARGIN: f64 = 0.0023;
 /// Random postures that the search begins with for each unit of effort, with the trunk as it is bent and with any.
 const DRAWN: usize = 4;
-/// How much less far than the farthest something is put where there is no way to that, metres.
+/// How much less far than the farthest something is put if no path leads there, metres.
 const NEARER: [f64; 5] = [0.0, 0.005, 0.015, 0.03, 0.06];
 /// How clear an arm stays of everything while the trunk leans, metres, …
 const CLEAR: f64 = 0.03;
@@ -216,7 +216,7 @@ impl Actor {
     }
 
     /// The spot at the first of some places, in the root's frame, metres, at which the receptor that grips can be upright as
-    /// it is now; none where it can be at none.
+    /// it is now; `None` if it can be at none.
     pub fn spot_at(
         &mut self,
         receptor: usize,

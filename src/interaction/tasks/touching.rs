@@ -253,7 +253,7 @@ impl Actor {
         outcome
     }
 
-    /// Goes along a way and then straight on; what the hand feels there, or none where it feels nothing.
+    /// Goes along a way and then straight on; what the hand feels there, or `None` if it feels nothing.
     ///
     /// # Errors
     /// [`Trouble::Hit`] where something else is felt before.
@@ -347,7 +347,7 @@ impl Actor {
     /// Goes to a posture, moving both arms and what carries them, past what it meets on the way.
     ///
     /// # Errors
-    /// [`Trouble`] where there is no way or it meets more and more.
+    /// [`Trouble`] if there is no path or it meets more and more.
     pub(in crate::interaction) fn go_round(&mut self, target: &[f64]) -> Result<(), Trouble> {
         let joints: Vec<usize> = self.hands.iter().flat_map(|hand| hand.leaning.clone()).collect();
         self.go_past(target, &joints, Vec::new())

@@ -296,7 +296,7 @@ impl Actor {
         Err(OutOfReach::Barred.into())
     }
 
-    /// The posture near another in which both palms are so far from the middle and raised so far; none where an arm cannot.
+    /// The posture near another in which both palms are so far from the middle and raised so far; `None` if an arm cannot.
     pub(super) fn palms_at(
         &self,
         plan: &PalmPlan,

@@ -3,7 +3,7 @@
 //! Nobody tells him how long it is nor where it leads. He moves both arms at random, so that what he expects of the stick
 //! meets other skin, until the stick touches him: the hand feels it pressed and other skin feels it. From there he comes
 //! once more, slowly, and takes down both receptors and the posture. The stick that closes the gaps of these touches over his
-//! learned schema is what he believes; he counts as known only what has foretold fresh touches, the tip's among them.
+//! learned schema is what he believes; he counts as known only what has predicted held-out touches, the tip's among them.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
@@ -45,7 +45,7 @@ const FIRST: usize = 8;
 const LEAST: usize = 20;
 /// … so many of them with the tip.
 const BY_TIP: usize = 6;
-/// The last touches, each foretold before it was learned from, …
+/// The last touches, each predicted before it was learned from, …
 const FRESH: usize = 8;
 /// … of which so many must be the tip's, …
 const FRESH_BY_TIP: usize = 3;
@@ -84,7 +84,7 @@ impl Actor {
         best.map_or(Ok(()), |posture| self.go(&posture))
     }
 
-    /// Touches himself with the stick that he holds until he knows where its tip is; what he knows then. None where he could
+    /// Touches himself with the stick that he holds until he knows where its tip is; what he knows then. `None` if he could
     /// not tell: then he does not use it.
     ///
     /// # Errors

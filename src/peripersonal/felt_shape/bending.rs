@@ -1,4 +1,4 @@
-//! A body of the family bent until it explains what was felt: by as little as does.
+//! Fitting a body of the family to what was felt, with the smallest deformation.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 

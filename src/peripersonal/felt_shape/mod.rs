@@ -63,7 +63,7 @@ pub struct PlacedSkin {
 }
 
 impl PlacedSkin {
-    /// A surface of a limb whose frame was at `X_RL`; none where nothing is known of the surface's shape.
+    /// A surface of a limb whose frame was at `X_RL`; `None` if nothing is known of the surface's shape.
     pub fn new(surface: &Surface, limb: &Frame) -> Option<PlacedSkin> {
         surface.shape.is_solid().then(|| PlacedSkin { surface: surface.clone(), limb: *limb })
     }
@@ -82,7 +82,7 @@ impl PlacedSkin {
         gap(&placed, body, precision)
     }
 
-    /// The gap where it is below 0, none where it is not.
+    /// The gap where it is below 0, `None` if it is not.
     fn overlap_with(&self, body: &dyn ConvexBody) -> Option<Gap> {
         let placed = self.surface.placed(&self.limb).expect("only solid surfaces are placed");
         let guess = (placed.centre() - body.centre()).try_normalize(1e-9).unwrap_or_else(Vector3::x);
@@ -109,7 +109,7 @@ pub struct FeltShape {
     /// Where its middle is taken to be before it is known better.
     about: Vector3<f64>,
     up: Vector3<f64>,
-    /// The height that it stands on, along `up`; none where it does not.
+    /// The height that it stands on, along `up`; `None` if it does not.
     stands: Option<f64>,
     /// The numbers of the last estimate, with what they were like before.
     last: Option<(Numbers, Numbers)>,

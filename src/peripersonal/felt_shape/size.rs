@@ -1,4 +1,4 @@
-//! How large a thing is by what is known of its shape: its height, and how long and broad it is as seen from above.
+//! The size of a thing from its estimated shape: height, and length and breadth seen from above.
 
 use nalgebra::{Vector2, Vector3};
 

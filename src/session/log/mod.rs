@@ -108,7 +108,7 @@ impl<'a> Log<'a> {
         let fields: Vec<Quantity<'static>> = fields.chain(further.iter().copied()).collect();
         if let Some((name, _)) = coordinates.iter().find(|(name, _)| fields.iter().any(|f| f.0 == *name)) {
             return Err(format!(
-                "\"{name}\" moves, and is called as a column of another meaning: rename it in the body's file and here"
+                "the joint \"{name}\" has the name of a column with another meaning: rename it in the body's file and here"
             ));
         }
         let moving = coordinates.iter().map(|(name, measure)| (name.as_str(), *measure));
@@ -119,14 +119,13 @@ impl<'a> Log<'a> {
         for names in POINTS {
             let missing = names.iter().find(|name| !self.has(name));
             if let Some(missing) = missing.filter(|_| names.iter().any(|name| self.has(name))) {
-                return Err(format!("there is no column {missing}: a point has three coordinates"));
+                return Err(format!("column {missing} is missing: a point has three coordinates"));
             }
         }
         let used: Vec<usize> = self.posture.iter().flatten().chain(self.fields.values()).copied().collect();
         self.spare = self.table.spare(&used);
         let titles: Vec<&str> = self.spare.iter().map(|column| column.title.as_str()).collect();
-        let unused =
-            (!titles.is_empty()).then(|| format!("columns that are not used: {}", titles.join(", ")));
+        let unused = (!titles.is_empty()).then(|| format!("unused columns: {}", titles.join(", ")));
         self.notes.extend(unused);
         Ok(())
     }
@@ -162,7 +161,7 @@ impl<'a> Log<'a> {
         let Some(at) = self.given(row, name) else { return Ok(None) };
         row[at].parse().map(Some).map_err(|_| {
             let place = self.table.place(at);
-            CellFault::Wrong(format!("{place}: \"{}\" is no whole number: give one", &row[at]))
+            CellFault::Wrong(format!("{place}: \"{}\" is not a whole number", &row[at]))
         })
     }
 
@@ -215,7 +214,7 @@ impl<'a> Log<'a> {
         }
         let note = left_out.first().map(|(line, fault)| {
             format!(
-                "{} of {} touches are left out, for they have numbers that are not finite: line {line}: {fault}",
+                "{} of {} touches are ignored because their numbers are not finite: line {line}: {fault}",
                 left_out.len(),
                 self.table.rows.len()
             )
@@ -235,13 +234,13 @@ impl<'a> Log<'a> {
     /// A refusal of a log without a touch that can be used.
     pub fn empty(&self, why: Option<String>) -> Error {
         let why = why.map_or(String::new(), |why| format!(" ({why})"));
-        Error::content(self.path, None, format!("it holds no touch{why}: give one with a touch a line"))
+        Error::content(self.path, None, format!("it contains no touches{why}: give one touch per line"))
     }
 
     /// Notes that rows repeat others.
     pub fn note_repeats(&mut self, repeats: usize, rows: usize) {
         let note =
-            || format!("{repeats} of {rows} rows repeat another in the same posture: each touch counts once");
+            || format!("{repeats} of {rows} rows are repeats in the same posture; each touch counts once");
         self.notes.extend((repeats > 0).then(note));
     }
 
@@ -277,8 +276,8 @@ impl<'a> Log<'a> {
             let example = beyond().next().filter(|_| most && column.is_none_or(Column::is_si));
             if let Some((line, angle)) = example {
                 let message = format!(
-                    "{name} is {angle}, and most of its angles are beyond a full turn of 6.283 radians: convert them to radians, \
-                     and the range as well, or take whole turns off; if these are degrees, call the column {name}_deg"
+                    "{name} is {angle}, and most of its angles exceed a full turn of 6.283 radians: convert them \
+                     and the range to radians, or remove whole turns; if they are degrees, call the column {name}_deg"
                 );
                 return Err(self.refused(line, message));
             }
@@ -287,8 +286,8 @@ impl<'a> Log<'a> {
             let beyond = |(_, angle): &(usize, f64)| (low - angle).max(angle - high) > TAU;
             if let Some((line, angle)) = angles(*at).find(beyond) {
                 let message = format!(
-                    "{name} is {angle}, more than a turn beyond its range of {low:.3} to {high:.3} radians: convert degrees to \
-                     radians, take whole turns off, mend the range, or leave the touch out"
+                    "{name} is {angle}, more than a turn beyond its range of {low:.3} to {high:.3} radians: \
+                     convert degrees to radians, remove whole turns, correct the range, or leave the touch out"
                 );
                 return Err(self.refused(line, message));
             }
@@ -309,7 +308,7 @@ pub(super) fn far_angles(
     let more = if far.len() > NAMED { format!(" and {} more", far.len() - NAMED) } else { String::new() };
     (!far.is_empty()).then(|| {
         format!(
-            "{name} is {lines}{more}, far beyond its range of {low:.3} to {high:.3} radians: mend them, or the range"
+            "{name} is {lines}{more}, far beyond its range of {low:.3} to {high:.3} radians: correct them, or the range"
         )
     })
 }
@@ -323,7 +322,7 @@ pub(crate) fn wide_ranges<'a>(hinges: impl Iterator<Item = (&'a str, [f64; 2])>)
         others => format!(" and those of {others} more"),
     };
     Some(format!(
-        "the range of {name}, {low} to {high}{others}, goes beyond a full turn of 6.283 radians: if it is in degrees, convert \
-         it, and all angles with it"
+        "the range of {name}, {low} to {high}{others}, exceeds a full turn of 6.283 radians: if it is in degrees, \
+         convert it and all angles"
     ))
 }

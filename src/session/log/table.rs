@@ -87,7 +87,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Which column holds each of some quantities; none where no one does. Their units are known from then on.
+    /// Which column holds each of some quantities; `None` if no one does. Their units are known from then on.
     ///
     /// A title that is exactly a quantity's name counts before one with a unit behind it.
     pub fn assign(&mut self, wanted: &[Quantity]) -> Result<Vec<Option<usize>>, String> {
@@ -108,7 +108,7 @@ impl Table {
                 }
                 (Ok(_), None) => return refuse(format!("{wanted} has no unit: rename it")),
                 (Err(word), Some((_, (_, units)))) => {
-                    return refuse(format!("the unit {word} is not known: give {units}"));
+                    return refuse(format!("unknown unit {word}: give {units}"));
                 }
                 (Err(_), None) => None,
             };
@@ -141,7 +141,7 @@ impl Table {
                 Ok(self.columns[at].unit.map_or(number, |unit| number / unit.per))
             }
             Ok(_) => Err(CellFault::NotFinite(format!("{place}: {cell} is not finite"))),
-            Err(_) => Err(CellFault::Wrong(format!("{place}: \"{cell}\" is no number: give {needed}"))),
+            Err(_) => Err(CellFault::Wrong(format!("{place}: \"{cell}\" is not a number: give {needed}"))),
         }
     }
 }
@@ -159,7 +159,7 @@ pub(crate) fn read_table(
         _ => read_separated(path, &bytes)?,
     };
     notes.extend(table.cut.map(|line| {
-        format!("it ends in the middle of line {line}: that touch is left out, all before it are used")
+        format!("it ends in the middle of line {line}; that touch is ignored, all before it are used")
     }));
     Ok((table, notes))
 }
@@ -173,13 +173,14 @@ fn read_text(path: &Path) -> Result<(Vec<u8>, Vec<String>), Error> {
         let refused = |what: String| Err(Error::content(path, None, format!("{what}: unpack it first")));
         match MultiGzDecoder::new(&bytes[..]).take(GREATEST_TABLE + 1).read_to_end(&mut plain) {
             Ok(_) if plain.len() as u64 > GREATEST_TABLE => {
-                return refused("unpacked it is larger than 4 GiB".into());
+                return refused("it is larger than 4 GiB when decompressed".into());
             }
             Ok(_) => {}
             // As it is while it is being written.
-            Err(error) if error.kind() == ErrorKind::UnexpectedEof && !plain.is_empty() => notes
-                .push("it was packed by gzip and ends in the middle: what can be unpacked is used".into()),
-            Err(error) => return refused(format!("it is packed by gzip and cannot be read ({error})")),
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof && !plain.is_empty() => {
+                notes.push("the gzip file is truncated; what can be decompressed is used".into())
+            }
+            Err(error) => return refused(format!("the gzip file cannot be read ({error})")),
         }
         bytes = plain;
     }
@@ -188,7 +189,7 @@ fn read_text(path: &Path) -> Result<(Vec<u8>, Vec<String>), Error> {
     }
     let zeros = drop_zeros(&mut bytes);
     if zeros > 0 {
-        notes.push(format!("it ends in {zeros} zero bytes, as after a power failure: they are left out"));
+        notes.push(format!("it ends in {zeros} zero bytes, as after a power failure; they are ignored"));
     }
     if bytes.starts_with(MARK) {
         bytes.drain(..MARK.len());
@@ -239,7 +240,7 @@ fn read_json(
                 table.cut = Some(line);
             }
             Err(error) => {
-                let fault = format!("it is no touch ({}): mend the line or delete it", json_reason(&error));
+                let fault = format!("not a touch ({}): correct the line or delete it", json_reason(&error));
                 return refuse(line + error.line().saturating_sub(1), fault);
             }
         }
@@ -297,7 +298,7 @@ fn with_null(bytes: &[u8]) -> Cow<'_, [u8]> {
 /// The cells of an object, each with its column. JSON has no other way to say "not a finite number" than null.
 fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>, String> {
     let Value::Object(fields) = touch else {
-        return Err("it is no touch, which is an object: mend the line or delete it".into());
+        return Err("not a touch, which is an object: correct the line or delete it".into());
     };
     let mut cells: Vec<(String, &Value)> = Vec::new();
     for (field, value) in fields {
@@ -310,7 +311,7 @@ fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>,
             }
             ("posture", Value::Array(_)) => {
                 return Err(format!(
-                    "posture has {} numbers in place of {}: give one for each coordinate, in their order, or an object of names",
+                    "posture has {} numbers instead of {}: give one for each coordinate, in order, or an object with names",
                     list.len(),
                     coordinates.len()
                 ));
@@ -328,7 +329,7 @@ fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>,
                 }
             }
             ("posture", _) => {
-                let what = "posture is neither a list of numbers nor an object of names: give one of the two";
+                let what = "posture is neither a list of numbers nor an object with names: give one of these";
                 return Err(what.into());
             }
             ("limbs", _) if list.len() == 2 => cells.extend(LIMBS.map(String::from).into_iter().zip(list)),
@@ -342,7 +343,7 @@ fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>,
             ("contacts", _) if list.len() == 2 => {
                 for (titles, point) in POINTS.iter().zip(list) {
                     let point = point.as_array().filter(|point| point.len() == 3);
-                    let point = point.ok_or("contacts are not two points of three coordinates: give them")?;
+                    let point = point.ok_or("contacts are not two points of three coordinates each")?;
                     cells.extend(titles.map(String::from).into_iter().zip(point));
                 }
             }
@@ -354,8 +355,8 @@ fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>,
         Value::String(text) => Ok((title, text.clone())),
         Value::Number(number) => Ok((title, number.to_string())),
         _ => Err(format!(
-            "{title} is neither a number nor a text: give posture, limbs, contacts, receptors, deviations, or columns by their \
-             names"
+            "{title} is neither a number nor a string: give posture, limbs, contacts, receptors, deviations, or \
+             columns by name"
         )),
     };
     cells.into_iter().map(text).collect()
@@ -366,8 +367,7 @@ fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>,
 pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, Error> {
     let refuse = |line: usize, message: String| Err(Error::content(path, Some(line), message));
     if bytes.trim_ascii_start().starts_with(b"<") {
-        let message = "it is XML, where a table of touches belongs: give the robot first and then the log as comma-separated \
-                       values";
+        let message = "it is XML, not a table of touches: give the robot first, then the log as CSV";
         return refuse(1, message.into());
     }
     let separator = separator(bytes);
@@ -386,7 +386,7 @@ pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, Error> 
             Ok(record) => record,
             Err(error) => {
                 let line = error.position().map_or(0, csv::Position::line) as usize;
-                return refuse(line, format!("it is no text in UTF-8 ({error}): save the file as such"));
+                return refuse(line, format!("it is not UTF-8 text ({error}): save the file as UTF-8"));
             }
         };
         let line = line_of(&record, bytes);
@@ -402,13 +402,13 @@ pub(crate) fn read_separated(path: &Path, bytes: &[u8]) -> Result<Table, Error> 
             () if cells == wanted => table.rows.push((line, record)),
             () if line == unended && !table.rows.is_empty() => table.cut = Some(line),
             () => {
-                let message = format!("it has {cells} cells in place of {wanted}: give one for each column");
+                let message = format!("it has {cells} cells instead of {wanted}: give one for each column");
                 return refuse(line, message);
             }
         }
     }
     if table.columns.is_empty() {
-        let message = "it holds no touch, for there is no line of column names: begin with one";
+        let message = "it contains no touches and no header: begin with a line of column names";
         return refuse(1, message.into());
     }
     Ok(table)
@@ -445,7 +445,7 @@ fn line_of(record: &StringRecord, bytes: &[u8]) -> usize {
 fn head(record: &StringRecord) -> Result<Vec<Column>, String> {
     let columns: Vec<Column> = record.iter().map(Column::new).collect();
     if columns.iter().all(|column| column.title.parse::<f64>().is_ok()) {
-        return Err("its first line has numbers, no names of columns: begin with a line of names".into());
+        return Err("its first line contains numbers instead of column names: begin with a header".into());
     }
     for (i, column) in columns.iter().enumerate().filter(|(_, column)| !column.title.is_empty()) {
         if columns[..i].iter().any(|other| other.title == column.title) {

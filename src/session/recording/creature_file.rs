@@ -88,7 +88,7 @@ fn named_creature(mut description: Value, at: &str) -> Result<(Creature, Names),
     names.resolve_creature(&mut description, at)?;
     let creature = typed(description, at)?;
     match &names.endless {
-        Some(slide) => Err(format!("{slide} is a slide and has no range: give its ends in metres")),
+        Some(slide) => Err(format!("{slide} is a slide without a range: give its limits in metres")),
         None => Ok((creature, names)),
     }
 }
@@ -100,7 +100,7 @@ pub(in crate::session) fn typed<T: DeserializeOwned>(value: Value, at: &str) -> 
         let place = format!("{at}{}", if path == "." { "" } else { &path });
         let place = Some(place.trim_end_matches('.')).filter(|place| !place.is_empty());
         let place = place.map_or(String::new(), |place| format!("{place}: "));
-        let mend = "mend it as the documentation of the creature's file says";
+        let mend = "correct it according to the documentation of the creature file";
         format!("{place}{}: {mend}", error.inner())
     })
 }
@@ -133,7 +133,7 @@ impl Names {
             let mut seen = BTreeSet::new();
             let names: &[String] = names.as_deref().unwrap_or_default();
             if let Some(twice) = names.iter().find(|name| !seen.insert(*name)) {
-                return Err(format!("two {what} are called \"{twice}\": give each a name of its own"));
+                return Err(format!("two {what} are called \"{twice}\": give each its own name"));
             }
         }
         let fixed = |joint: &&Value| joint["dofs"].as_array().is_some_and(Vec::is_empty);
@@ -142,7 +142,7 @@ impl Names {
             Some(joints) if joints.iter().any(|joint| fixed(&joint)) => {
                 let name = joints.iter().find(fixed).map_or(&Value::Null, |joint| &joint["name"]);
                 Err(format!(
-                    "joint {name} has no degrees of freedom: what does not move is a part of its parent limb, leave it out"
+                    "joint {name} has no degrees of freedom: a rigid part belongs to its parent limb; leave it out"
                 ))
             }
             _ => Ok(Names { limbs, dofs, endless: None }),
@@ -151,7 +151,7 @@ impl Names {
 
     /// Puts the index of a limb in place of its name.
     fn resolve_limb(&self, limb: &mut Value, place: &str) -> Result<(), String> {
-        let missing = |name: &str| format!("there is no limb \"{name}\" in limbs: add it, or name another");
+        let missing = |name: &str| format!("limbs contains no \"{name}\": add it, or give another name");
         resolve(limb, self.limbs.as_deref(), place, missing)
     }
 
@@ -173,7 +173,8 @@ impl Names {
                 let name =
                     self.limbs.as_ref().and_then(|limbs| limbs.get(j + 1)).map_or("none", String::as_str);
                 return Err(format!(
-                    "{at}joints[{j}].limb is another than limb {} of the list, \"{name}\": put joints and limbs in one order",
+                    "{at}joints[{j}].limb differs from limb {} of the list, \"{name}\": put joints and limbs in \
+                     the same order",
                     j + 1
                 ));
             }
@@ -203,8 +204,7 @@ impl Names {
                 _ => {}
             }
         }
-        let missing =
-            |name: &str| format!("there is no degree of freedom \"{name}\": name one of joints[].dofs[]");
+        let missing = |name: &str| format!("no degree of freedom \"{name}\": give one of joints[].dofs[]");
         match dof.get_mut("follows").and_then(|follows| follows.get_mut("leader")) {
             Some(leader) => {
                 resolve(leader, self.dofs.as_deref(), &format!("{place}.follows.leader"), missing)

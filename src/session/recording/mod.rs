@@ -154,14 +154,14 @@ fn missing(log: &Log) -> Option<String> {
     };
     if let Some((joint, k)) = log.joints().find_map(|joint| Some((joint.0, lacks(&joint)?))) {
         let (name, _) = &joint.columns()[k];
-        return Some(format!("there is no column {name}: add this degree of freedom{}", log.meant(name)));
+        return Some(format!("column {name} is missing: add this degree of freedom{}", log.meant(name)));
     }
     let side = [0, 1]
         .into_iter()
         .find(|&side| !(log.has(RECEPTORS[side]) || log.has(LIMBS[side]) && log.has(POINTS[side][0])))?;
     let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
     let missing = if log.has(limb) { x } else { limb };
-    Some(format!("there is no column {missing}: give {limb} with {x}, {y}, {z}, or {receptor}"))
+    Some(format!("column {missing} is missing: give {limb} with {x}, {y}, {z}, or {receptor}"))
 }
 
 /// The touch of a row. Quaternions that were rounded when they were written are scaled; those that fit to the last digits stay.
@@ -198,8 +198,8 @@ fn out_of_range(log: &Log, touches: &[RawTouch]) -> impl Iterator<Item = String>
         let [least, most] =
             [values().fold(f64::INFINITY, f64::min), values().fold(-f64::INFINITY, f64::max)];
         Some(format!(
-            "{name} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of {} touches: \
-             mend the range in the creature's file, or the angles' sign or zero",
+            "{name} goes from {least:.3} to {most:.3}, beyond its range of {low:.3} to {high:.3}, in {beyond} of \
+             {} touches: correct the range in the creature file, or the angles' sign or zero",
             touches.len()
         ))
     })
@@ -219,8 +219,8 @@ fn far_points(touches: &[RawTouch]) -> impl Iterator<Item = String> {
         let usual = median(points.iter().map(|(_, distance)| *distance).collect())?.max(LEAST);
         let (line, far) = points.into_iter().find(|(_, distance)| *distance > FAR * usual)?;
         Some(format!(
-            "on line {line} the point on {limb} is {far:.3} m from its origin, and half of its points are within {usual:.3} m: \
-             mend it, or leave the touch out"
+            "on line {line} the point on {limb} is {far:.3} m from its origin, but half of its points are within \
+             {usual:.3} m: correct it, or leave the touch out"
         ))
     });
     let millimetres = median(all).filter(|median| *median > FAR).map(|median| {
@@ -298,8 +298,7 @@ fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Erro
     if let Some(without) = raw.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
         && !all_receptors
     {
-        let message = "this touch has only receptors and others have only points: give points in every touch, or \
-                       receptors in every touch";
+        let message = "this touch has only receptors, others only points: give points in every touch, or receptors in every touch";
         return Err(log.refused(without.line, message));
     }
     let input = if all_receptors { Input::Receptor } else { Input::Contact };
@@ -313,7 +312,7 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
     let limb = |name: &String| {
         creature.limb(name).ok_or_else(|| {
             let (column, all) = (LIMBS[k], listed(limbs));
-            format!("column {column}: {} has no limb \"{name}\": name one of {all}", creature.name())
+            format!("column {column}: {} has no limb \"{name}\": choose one of {all}", creature.name())
         })
     };
     let named = end.limb.as_ref().map(limb).transpose()?;
@@ -322,13 +321,13 @@ fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
         (Some(felt), Some(named), Some(id)) if felt != named => {
             let (column, [felt, named]) = (LIMBS[k], [felt, named].map(|limb| &limbs[limb]));
             Err(format!(
-                "column {column}: receptor \"{id}\" is on limb {felt}, not on {named}: mend one of the two"
+                "column {column}: receptor \"{id}\" is on limb {felt}, not on {named}: correct one of the two"
             ))
         }
         (Some(limb), ..) => Ok(limb),
         (None, _, Some(id)) if end.point.is_none() || named.is_none() => {
             let mend = if skin.receptors.is_empty() {
-                "give the creature's file a skin, or give limbs and points in place of receptors"
+                "add a skin to the creature file, or give limbs and points instead of receptors"
             } else {
                 "give the skin that the touches were recorded with"
             };

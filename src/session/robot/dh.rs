@@ -79,7 +79,7 @@ pub fn write_dh(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -
         for (line, row) in &table.table.rows {
             let name = format!("{}.{column}", table.text(row, "joint").unwrap_or_default());
             let Some(quantity) = robot.quantity(&name) else {
-                let message = format!("the robot has no {name}: give the file that it was read from");
+                let message = format!("the robot has no {name}: give the file it was read from");
                 return Err(Error::content(path, Some(*line), message));
             };
             let value = values[quantity].number();
@@ -138,7 +138,7 @@ impl DhTable {
         }
         let head = bytes.split(|byte| *byte == b'\n').nth(table.line - 1).unwrap_or_default();
         if head.iter().any(|byte| b";\t".contains(byte)) {
-            let message = "its columns are not separated by commas: do that, and write decimals with a point";
+            let message = "its columns are not separated by commas: use commas, and decimal points";
             return refused(table.line, message.into());
         }
         let numbers = NUMBERS.map(|(name, measure, _)| (name, Some(measure)));
@@ -171,13 +171,12 @@ impl DhTable {
         match missing {
             Some(missing) => {
                 let message = format!(
-                    "there is no column {missing}: begin with a line of column names, joint, a, d, alpha and theta among \
-                     them"
+                    "column {missing} is missing: begin with a header that includes joint, a, d, alpha and theta"
                 );
                 refused(table.line, message)
             }
             None if table.rows.is_empty() => {
-                refused(table.line, "it has no joint: give a table of a joint a row".into())
+                refused(table.line, "it has no joints: give one joint per row".into())
             }
             None => Ok(DhTable { table, places }),
         }
@@ -219,10 +218,10 @@ impl DhTable {
         let of = format!("{column} of joint {}", self.text(row, "joint").unwrap_or_default());
         let si = self.number(row, at, measure).ok_or_else(|| {
             let fix = match column {
-                "theta" | "d" => "give what is added to the joint's own coordinate, 0 if nothing",
+                "theta" | "d" => "give the constant added to the joint coordinate, such as 0",
                 _ => "give one",
             };
-            format!("{of} is \"{text}\", which is no finite number: {fix}")
+            format!("{of} is \"{text}\", not a finite number: {fix}")
         })?;
         let (unit, other, suffix) = match measure {
             Measure::Length => ("metres", "millimetres", "mm"),
@@ -230,11 +229,11 @@ impl DhTable {
         };
         if self.table.columns[at].unit.is_none() && si.abs() > greatest {
             return Err(format!(
-                "{of} is {text} {unit}: call it {column}_{suffix} if it is in {other}, or mend it"
+                "{of} is {text} {unit}: call it {column}_{suffix} if it is in {other}, or correct it"
             ));
         }
         if measure == Measure::Angle && si.abs() > greatest {
-            return Err(format!("{of} is {text}, more than a turn: take whole turns off, or mend it"));
+            return Err(format!("{of} is {text}, more than a turn: remove whole turns, or correct it"));
         }
         Ok(si)
     }
@@ -260,19 +259,19 @@ fn add_joint<'a>(
     order: &mut [usize; 5],
 ) -> Result<(), String> {
     let text = |column: &str| table.text(row, column);
-    let name = text("joint").ok_or("the joint has no name: give it one")?;
+    let name = text("joint").ok_or("the joint has no name")?;
     let link = text("link").map_or_else(|| format!("{name}_link"), str::to_string);
     let (kind, moved) = match text("kind").map(str::to_lowercase).as_deref() {
         None | Some("hinge" | "revolute" | "r") => (Some(DofKind::Hinge), "theta"),
         Some("slide" | "prismatic" | "p") => (Some(DofKind::Slide), "d"),
         Some("fixed") => (None, ""),
         Some(other) => {
-            return Err(format!("joint {name} is of the kind \"{other}\": give hinge, slide or fixed"));
+            return Err(format!("joint {name} has kind \"{other}\": give hinge, slide or fixed"));
         }
     };
     if let Some(text) = text("convention") {
         let known = CONVENTIONS.iter().find(|(name, _)| *name == text.to_lowercase());
-        let unknown = || format!("the convention \"{text}\" is not known: give standard or modified");
+        let unknown = || format!("unknown convention \"{text}\": give standard or modified");
         *order = known.ok_or_else(unknown)?.1;
     }
     let mut numbers = [0.0; 5];
@@ -285,10 +284,10 @@ fn add_joint<'a>(
     }
     let range = kind.map_or(Ok([0.0; 2]), |kind| range(table, row, name, kind))?;
     if above.iter().any(|(other, _)| *other == name) {
-        return Err(format!("there are two joints {name}: rename one"));
+        return Err(format!("two joints are called {name}: rename one"));
     }
     if robot.link(&link).is_some() {
-        return Err(format!("there are two links {link}: rename one"));
+        return Err(format!("two links are called {link}: rename one"));
     }
     let parent = match text("parent") {
         None => robot.links.len() - 1,
@@ -297,8 +296,8 @@ fn add_joint<'a>(
             let found = robot.link(parent).or_else(|| robot.link(&by_joint()?.1));
             found.ok_or_else(|| {
                 format!(
-                    "joint {name} hangs on {parent}, which is neither a joint nor a link of a row above: correct it, move its \
-                     row up, or give {BASE}"
+                    "the parent of joint {name}, {parent}, is neither a joint nor a link of an earlier row: \
+                     correct it, move its row up, or give {BASE}"
                 )
             })?
         }
@@ -341,7 +340,7 @@ fn range(table: &DhTable, row: &StringRecord, name: &str, kind: DofKind) -> Resu
         for (_, at) in table.places.iter().filter(given) {
             if table.table.columns[*at].unit.is_some_and(|unit| unit.measure != measure) {
                 return Err(format!(
-                    "{column} of joint {name}, which {moves}, has another unit: give {column}_{unit}"
+                    "{column} of joint {name}, which {moves}, has the wrong unit: give {column}_{unit}"
                 ));
             }
             *end = table.checked(row, *at, measure, greatest)?;
@@ -349,7 +348,7 @@ fn range(table: &DhTable, row: &StringRecord, name: &str, kind: DofKind) -> Resu
     }
     match range[0] < range[1] {
         true => Ok(range),
-        false => Err(format!("the range of joint {name} leaves it no room: give a min below the max")),
+        false => Err(format!("the range of joint {name} is empty: give a min below the max")),
     }
 }
 
@@ -391,15 +390,15 @@ fn unsaid(robot: &Robot, values: &[Value]) -> Vec<String> {
         let name = &about.name;
         if values[q.sign].number() < 0.0 {
             unsaid.push(format!(
-                "sign of {name} (-1) cannot be said in {FORMAT}: take what its encoder reads the other way round"
+                "sign of {name} (-1) cannot be expressed in {FORMAT}: negate its encoder reading"
             ));
         }
         unsaid.extend(unsaid_of_encoder(robot, values, dof, FORMAT));
         let aside = values[q.axis].distance(&robot.quantities[q.axis].nominal);
         if aside > 0.0 {
             unsaid.push(format!(
-                "axis of {name} (aside by {aside:.6} rad) cannot be said in {FORMAT}: calibrate {name}.alpha and \
-                 {name}.beta in its place"
+                "axis of {name} (aside by {aside:.6} rad) cannot be expressed in {FORMAT}: calibrate {name}.alpha \
+                 and {name}.beta instead"
             ));
         }
     }
@@ -411,7 +410,7 @@ fn unsaid(robot: &Robot, values: &[Value]) -> Vec<String> {
         if changed {
             let parent = &robot.links[link.parent].name;
             unsaid.push(format!(
-                "link {} on {parent} cannot be said in {FORMAT}: keep its pose elsewhere",
+                "link {} on {parent} cannot be expressed in {FORMAT}: keep its pose elsewhere",
                 link.name
             ));
         }

@@ -1,4 +1,4 @@
-//! A robot in JSON: a creature's tree with its maker's numbers, and what is mounted on it.
+//! A robot in JSON: a creature's tree with nominal values, and the sensors and tools mounted on it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,7 +48,7 @@ enum Deviation {
 
 /// A quantity's value: a number, three of a position or an axis, the rotation vector of an orientation.
 #[derive(Clone, Deserialize)]
-#[serde(untagged, expecting = "a number or three")]
+#[serde(untagged, expecting = "one number or three")]
 enum Numbers {
     One(f64),
     Three([f64; 3]),
@@ -134,7 +134,7 @@ fn robot(mut description: serde_json::Value, extras: Extras, bytes: Vec<u8>) -> 
             let unit = axis.try_normalize(1e-9).filter(|_| axis.norm() <= GREATEST_DIRECTION);
             axes.push(unit.ok_or_else(|| {
                 let (name, length) = (&dof["name"], axis.norm());
-                format!("the axis of {name} has length {length}: give a direction, of length 1 as nearly as may be")
+                format!("the axis of {name} has length {length}: give a unit vector")
             })?);
         }
         unplaced.extend(joint["name"].as_str().filter(|_| !placed).map(str::to_string));
@@ -196,7 +196,7 @@ fn add_extras(robot: &mut Robot, extras: Extras) -> Result<bool, String> {
             }
             ShapeJson::Solid(_) => {
                 return Err(format!(
-                    "surface {} is a mesh without a hull: give a shape that is known",
+                    "surface {} is a mesh without a hull: give a supported shape",
                     surface.name
                 ));
             }
@@ -251,11 +251,11 @@ fn deviation(text: &str) -> Result<(f64, Option<WrittenUnit<'_>>), String> {
 /// A deviation that may be, in its base unit; `text` is what was written.
 fn possible_deviation(number: f64, text: &str) -> Result<f64, String> {
     match number {
-        _ if !(number.is_finite() && number > 0.0) => {
-            Err(format!("\"{text}\" is no deviation: give a number above 0 and a unit, such as 5mm or 2deg"))
-        }
+        _ if !(number.is_finite() && number > 0.0) => Err(format!(
+            "\"{text}\" is not a deviation: give a number above 0 and a unit, such as 5mm or 2deg"
+        )),
         _ if number > GREATEST_LENGTH => {
-            Err(format!("\"{text}\" is no deviation: give less, or say that nothing is known with free"))
+            Err(format!("\"{text}\" is too large for a deviation: give less, or use free"))
         }
         _ => Ok(number),
     }
@@ -264,9 +264,7 @@ fn possible_deviation(number: f64, text: &str) -> Result<f64, String> {
 /// A deviation of a position, metres.
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     match deviation(text)? {
-        (_, Some((name, Measure::Angle))) => {
-            Err(format!("a position is not measured in {name}: give millimetres"))
-        }
+        (_, Some((name, Measure::Angle))) => Err(format!("{name} is not a unit of length: give millimetres")),
         (_, None) => Err(format!("\"{text}\" has no unit: give millimetres, as in {text}mm")),
         (metres, _) => Ok(metres),
     }
@@ -287,7 +285,7 @@ pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, text: &str) -> Result<
     match (other, unit) {
         (None, _) => Ok(()),
         (Some((other, _)), Some((name, _))) => {
-            Err(format!("{} is not measured in {name}: give its deviation in its own unit", other.name))
+            Err(format!("{} is not measured in {name}: use its own unit", other.name))
         }
         (Some((other, _)), None) => {
             let example = if other.unit == Unit::Metre { "mm" } else { "deg" };
@@ -299,7 +297,7 @@ pub(crate) fn set_prior(robot: &mut Robot, pattern: &str, text: &str) -> Result<
 
 fn named(robot: &Robot, what: &str, link: &str) -> Result<usize, String> {
     robot.link(link).ok_or_else(|| {
-        format!("{what} is on \"{link}\", which there is not: name a limb or a frame before it")
+        format!("{what} is on \"{link}\", which does not exist: name a limb, or a frame defined earlier")
     })
 }
 
@@ -312,7 +310,7 @@ fn pose(position: [f64; 3], turns: [f64; 3]) -> Frame {
 fn set_value(robot: &mut Robot, name: &str, numbers: &Numbers) -> Result<(), String> {
     let at = robot
         .quantity(name)
-        .ok_or_else(|| format!("values: nothing of {} is called \"{name}\": leave it out", robot.name))?;
+        .ok_or_else(|| format!("values: {} has nothing called \"{name}\": leave it out", robot.name))?;
     let value = match (robot.quantities[at].nominal, numbers) {
         (Value::Number(_), Numbers::One(x)) => Value::Number(*x),
         (Value::Position(_), Numbers::Three(at)) => Value::Position((*at).into()),
@@ -321,10 +319,10 @@ fn set_value(robot: &mut Robot, name: &str, numbers: &Numbers) -> Result<(), Str
         }
         (Value::Direction(_), Numbers::Three(axis)) => {
             let axis = Vector3::from(*axis).try_normalize(1e-9);
-            Value::Direction(axis.ok_or_else(|| format!("values: {name} has no length: give a direction"))?)
+            Value::Direction(axis.ok_or_else(|| format!("values: {name} has length 0: give a direction"))?)
         }
-        (Value::Number(_), _) => return Err(format!("values: {name} is one number: give one")),
-        _ => return Err(format!("values: {name} has three numbers: give all")),
+        (Value::Number(_), _) => return Err(format!("values: {name} takes one number")),
+        _ => return Err(format!("values: {name} takes three numbers")),
     };
     robot.quantities[at].nominal = value;
     Ok(())
@@ -336,7 +334,7 @@ pub(super) fn with_values(bytes: &[u8], robot: &Robot, values: &[Value]) -> Writ
     let object = serde_json::from_str(text.trim_start_matches('\u{feff}'));
     let object: BTreeMap<&str, &RawValue> = object.unwrap_or_default();
     if !object.contains_key("limbs") {
-        let kept = "a whole session keeps its creature as it was: the new values are in calibration.json";
+        let kept = "a whole session keeps its original creature; the new values are in calibration.json";
         return Written { bytes: bytes.to_vec(), left_out: vec![kept.into()] };
     }
     let before = object.get("values").map(|before| before.get());

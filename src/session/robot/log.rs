@@ -11,7 +11,7 @@
 //! | `time` | when it was logged: what is held out is then a stretch of time |
 //! | a joint's name | what its encoder read; empty where it has no part in the touch |
 //!
-//! A unit behind a name (`ax_mm`, `elbow [deg]`) is minded; without one it is metres and radians. Other columns are passed over.
+//! A unit behind a name (`ax_mm`, `elbow [deg]`) is minded; without one it is metres and radians. Other columns are ignored.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -74,7 +74,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
             }
             Some(first) => {
                 let fault = format!(
-                    "touch {} has another posture than on line {}: give lines of one posture one name, others another",
+                    "touch {} has a different posture on line {}: use one name per posture",
                     name.unwrap_or_default(),
                     first.line
                 );
@@ -89,7 +89,7 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
     }
     let (all, repeats) = (touches.len(), drop_repeats(&mut touches));
     let one_sided = (all < before)
-        .then(|| format!("{} touches have contacts on one side alone: they are left out", before - all));
+        .then(|| format!("{} touches have contacts on one side only; they are ignored", before - all));
     log.notes.extend(one_sided);
     log.note_repeats(repeats, all);
     log.check_angles(touches.iter().map(|touch| (touch.line, &touch.posture[..])))?;
@@ -131,7 +131,7 @@ pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
                 let Element::Shift(position) = robot.links[link].elements[0] else { continue };
                 if (robot.quantities[position].nominal.vector() - at).norm() > SAME_POINT {
                     let fault = format!(
-                        "place {name} is at another position than before: give it one, or another name"
+                        "place {name} is at a different position than before: give it one position, or use another name"
                     );
                     return Err(Error::content(path, Some(line), fault));
                 }
@@ -181,21 +181,21 @@ fn read_log<'a>(path: &'a Path, robot: &'a Robot) -> Result<Log<'a>, Error> {
 fn column_fault(log: &Log, robot: &Robot) -> Option<String> {
     let names = |side: usize| log.has(LIMBS[side]) || log.has(RECEPTORS[side]) || side == 1 && log.has(PLACE);
     if let Some(side) = (0..2).find(|&side| !names(side)) {
-        return Some(format!("there is no column {}: name what touched on this side", LIMBS[side]));
+        return Some(format!("column {} is missing: name the link on this side", LIMBS[side]));
     }
     let missing = robot.dofs.iter().filter(|dof| log.posture[dof.coordinate].is_none());
     let missing: Vec<&str> = missing.map(|dof| dof.name.as_str()).collect();
     if missing.len() == robot.dofs.len() && !missing.is_empty() {
         let example = log.spare.first().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
         return Some(format!(
-            "no column is called as a joint of {}: name them {} …{example}",
+            "no column has the name of a joint of {}: name them {} …{example}",
             robot.name, missing[0]
         ));
     }
     log.spare.iter().find_map(|column| {
         // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
         let near = missing.iter().find(|name| name.eq_ignore_ascii_case(column.name()))?;
-        Some(format!("column \"{}\" is nearly called as the joint {near}: rename it", column.title))
+        Some(format!("column \"{}\" resembles the name of joint {near}: rename it", column.title))
     })
 }
 
@@ -205,7 +205,7 @@ fn touch_of(log: &Log, robot: &Robot, line: usize, row: &StringRecord) -> Result
     if log.text(row, TOUCH).is_none()
         && let Some(side) = ends.iter().position(Option::is_none)
     {
-        let message = format!("column {} is empty: name what touched", LIMBS[side]);
+        let message = format!("column {} is empty: name the link", LIMBS[side]);
         return Err(CellFault::Wrong(message));
     }
     let distance = log.given(row, DISTANCE).map(|at| number(log, row, at)).transpose()?;
@@ -226,7 +226,7 @@ fn number(log: &Log, row: &StringRecord, at: usize) -> Result<f64, CellFault> {
     }
     let (place, cell) = (log.table.place(at), &row[at]);
     Err(CellFault::Wrong(format!(
-        "{place}: {cell} is beyond all that can be: give metres or radians, or leave the touch out"
+        "{place}: {cell} is out of range: give metres or radians, or leave the touch out"
     )))
 }
 
@@ -236,7 +236,7 @@ fn point(log: &Log, row: &StringRecord, side: usize) -> Result<Option<Vector3<f6
     match point.filter(|point| !point.iter().all(|x| is_length(*x))) {
         None => Ok(point),
         Some(_) => Err(CellFault::Wrong(format!(
-            "the point {} is beyond all that can be: give metres, or leave the touch out",
+            "the point {} is out of range: give metres, or leave the touch out",
             POINTS[side].join(", ")
         ))),
     }
@@ -249,7 +249,7 @@ fn end(log: &Log, robot: &Robot, row: &StringRecord, side: usize) -> Result<Opti
     let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| log.text(row, names[side]));
     if let (Some(place), Some(other)) = (place, limb.or(receptor)) {
         let column = LIMBS[1];
-        return wrong(format!("both {place} and {other} are named: leave column place or {column} empty"));
+        return wrong(format!("both {place} and {other} are given: leave column place or {column} empty"));
     }
     // A receptor is a point of its own; the limb beside it says no more.
     let receptor = receptor.filter(|name| limb.is_none() || robot.link(name).is_some());
@@ -263,13 +263,11 @@ fn end(log: &Log, robot: &Robot, row: &StringRecord, side: usize) -> Result<Opti
         (None, None, Some(_)) => {
             let column = POINTS[side][0];
             return wrong(format!(
-                "{name} has no point: give {column} and the others, or name a surface of it"
+                "{name} has no point: give {column} and the others, or name one of its surfaces"
             ));
         }
         (Some(_), Some(_), None) => {
-            return wrong(format!(
-                "{name} is a surface: leave its point out, or name the limb that it is on"
-            ));
+            return wrong(format!("{name} is a surface: leave its point out, or name its limb"));
         }
         (_, None, None) => {
             let links = robot.links.iter().map(|link| link.name.as_str());
@@ -277,7 +275,7 @@ fn end(log: &Log, robot: &Robot, row: &StringRecord, side: usize) -> Result<Opti
             let names = names.filter(|name| !name.ends_with(".mount"));
             let near = did_you_mean(name, names.clone()).or({ names }.next()).unwrap_or_default();
             return wrong(format!(
-                "column {}: {} has nothing called \"{name}\": name a limb, a point or a surface of it, such as {near}",
+                "column {}: {} has nothing called \"{name}\": name one of its limbs, points or surfaces, such as {near}",
                 LIMBS[side], robot.name
             ));
         }
@@ -307,7 +305,7 @@ fn posture(log: &Log, robot: &Robot, row: &StringRecord, links: [usize; 2]) -> R
         let (name, meant) = (&dof.name, log.meant(&dof.name));
         return Err(not_finite.unwrap_or_else(|| {
             CellFault::Wrong(format!(
-                "{name} moves what touched and was not read: give a column {name} with its {unit}{meant}"
+                "joint {name} moves a touched link but has no reading: give a column {name} with its {unit}{meant}"
             ))
         }));
     }

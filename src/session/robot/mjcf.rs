@@ -36,7 +36,7 @@ pub fn read_mjcf(path: &Path) -> Result<(Robot, Vec<String>), Error> {
         followers: followers(&model),
         passed_over: left_out
             .in_words()
-            .map(|what| format!("read without {what}, which MuJoCo does not take"))
+            .map(|what| format!("read without {what}, which MuJoCo does not accept"))
             .into_iter()
             .chain(left_out.notes)
             .collect(),
@@ -59,7 +59,7 @@ fn is_free(model: &Model, body: usize) -> bool {
 /// How far a joint is from its reference by how far another is.
 #[derive(Clone, Copy)]
 struct Following {
-    /// The joint that it follows in the end; none where it stands still.
+    /// The joint that it follows in the end; `None` if it stands still.
     leader: Option<usize>,
     gain: f64,
     offset: f64,
@@ -139,7 +139,7 @@ impl Reader<'_> {
         if !loose.is_empty() {
             let root = &self.robot.links[0].name;
             self.passed_over.push(format!(
-                "{} {} not carried by {root}, and touches of what moves freely are of no use: passed over",
+                "{} {} not carried by {root}; touches of freely moving bodies are useless and ignored",
                 loose.join(", "),
                 if loose.len() == 1 { "is" } else { "are" }
             ));
@@ -160,7 +160,7 @@ impl Reader<'_> {
             Some(None) => {
                 let name = joint_name(self.model, j);
                 self.passed_over.push(format!(
-                    "joint {name} follows another by a curve: a log needs a column {name} of its own"
+                    "joint {name} follows another along a curve: the log needs a column {name}"
                 ));
             }
             None => {}

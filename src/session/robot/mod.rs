@@ -78,7 +78,7 @@ pub struct RobotFile {
     pub unplaced: Vec<String>,
     /// Whether the file says what is unknown.
     pub says_what_is_open: bool,
-    /// What was passed over, in sentences.
+    /// What was ignored, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -115,7 +115,7 @@ fn read_any(path: &Path) -> Result<RobotFile, Error> {
         Some(b'<') if begins_as(&bytes, "mujoco") => (RobotFormat::Mjcf, mjcf::read_mjcf(path)?),
         Some(b'<') => (RobotFormat::Urdf, urdf::read_urdf(path, &bytes)?),
         Some(_) if log::is_log(&bytes) => {
-            let fault = "it is a log of touches, where a robot belongs: give the robot first, then the log";
+            let fault = "it is a log of touches, not a robot: give the robot first, then the log";
             return Err(Error::content(path, Some(1), fault));
         }
         Some(b'{') => return json::read(path, bytes),
@@ -221,7 +221,7 @@ fn unsaid_of_encoder(robot: &Robot, values: &[Value], dof: usize, format: &str) 
     let mut unsaid = Vec::new();
     if gain != 1.0 && robot.leads(dof) {
         unsaid.push(format!(
-            "gain of {name} ({gain:.6}) cannot be said in {format}: multiply what its encoder reads by it"
+            "gain of {name} ({gain:.6}) cannot be expressed in {format}: multiply its encoder reading by it"
         ));
     }
     if compliance != 0.0 {
@@ -230,14 +230,14 @@ fn unsaid_of_encoder(robot: &Robot, values: &[Value], dof: usize, format: &str) 
             DofKind::Hinge | DofKind::Ball => ("rad/(N m)", "torque"),
         };
         unsaid.push(format!(
-            "compliance of {name} ({compliance:.3e} {unit}) cannot be said in {format}: add it times the {load} to what its \
-             encoder reads"
+            "compliance of {name} ({compliance:.3e} {unit}) cannot be expressed in {format}: add it times the \
+             {load} to its encoder reading"
         ));
     }
     unsaid
 }
 
-/// What is wrong with a robot, whatever file it is from, and the mend.
+/// What is wrong with a robot, whatever file it is from, and the fix.
 fn fault(robot: &Robot) -> Option<String> {
     let quantities = robot.quantities.iter().filter_map(|quantity| {
         let fault = match (&quantity.nominal, quantity.unit) {
@@ -264,7 +264,7 @@ fn fault(robot: &Robot) -> Option<String> {
             Form::Plane => None,
             Form::Sphere(radius) => {
                 let possible = robot.quantities[*radius].nominal.number() > 0.0;
-                (!possible).then(|| "has no radius above 0: give metres".into())
+                (!possible).then(|| "has no radius above 0 (metres)".into())
             }
         };
         let fault = pose_fault(&surface.pose).or_else(shape)?;
@@ -273,9 +273,9 @@ fn fault(robot: &Robot) -> Option<String> {
     let masses = robot.masses.iter().filter_map(|mass| {
         let link = &robot.links[mass.link].name;
         if !(0.0..=GREATEST_MASS).contains(&mass.mass) {
-            return Some(format!("the mass of {link} is {}: give kilograms from 0 on", mass.mass));
+            return Some(format!("the mass of {link} is {}: give kilograms, 0 or above", mass.mass));
         }
-        place_fault(&mass.centre).map(|fault| format!("the centre of the mass of {link} {fault}"))
+        place_fault(&mass.centre).map(|fault| format!("the centre of mass of {link} {fault}"))
     });
     let weight = robot.gravity.norm();
     let gravity = (weight.is_nan() || weight > GREATEST_GRAVITY)

@@ -22,7 +22,7 @@ pub fn read_urdf(path: &Path, bytes: &[u8]) -> Result<(Robot, Vec<String>), Refu
     let source = Source::of_bytes(path, bytes)?;
     if source.root.name != "robot" {
         let message = format!(
-            "it is no URDF, but <{}>; give a URDF file, whose first element is <robot>",
+            "it is not URDF, but <{}>; give a URDF file, whose first element is <robot>",
             source.root.name
         );
         return Err(source.refused(&source.root, message));
@@ -55,13 +55,12 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
                 let about = element.get("type").unwrap_or_default();
                 if parent != tree.root {
                     let message = format!(
-                        "joint {name} is {about}, which an encoder does not read; make it fixed, or hinges and slides \
-                         one after the other"
+                        "joint {name} is {about}, which has no encoder; make it fixed, or a chain of hinges and slides"
                     );
                     return Err(source.refused(element, message));
                 }
                 passed_over.push(format!(
-                    "joint {name} is {about} and at the root: link {child} is taken to stand still in link {parent}"
+                    "joint {name} is {about} and at the root: link {child} is assumed fixed to link {parent}"
                 ));
                 robot.add_link(child, parent_link, vec![Element::Fixed(origin.frame())]);
                 continue;
@@ -110,7 +109,7 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
     if !meshed.is_empty() {
         let links = meshed.join(", ");
         passed_over.push(format!(
-            "the meshes of {links} are passed over: only spheres, cylinders, capsules and boxes are surfaces here"
+            "the meshes of {links} are ignored: only spheres, cylinders, capsules and boxes can be surfaces"
         ));
     }
     Ok((robot, passed_over))

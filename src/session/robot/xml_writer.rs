@@ -67,8 +67,8 @@ pub fn write_xml(
         (0..robot.dofs.len()).flat_map(|dof| unsaid_of_encoder(robot, values, dof, format)).collect();
     if !unsaid.is_empty() {
         left_out.push(format!(
-            "the new numbers of {} have no place of their own in this file, for they come from an included file, a <frame> or \
-             what makes bodies: put them there by hand, from quantities.csv",
+            "the new values of {} cannot be written into this file, because they come from an included file, a \
+             <frame> or generated bodies: enter them there by hand, from quantities.csv",
             unsaid.join(", ")
         ));
     }

@@ -51,7 +51,7 @@ impl Strokes<'_> {
         })
     }
 
-    /// A long way that begins on a receptor. `None` if there is no room.
+    /// A long way that begins on a receptor. `None` if there is no room for it.
     fn wander(&self, receptor: usize, rng: &mut ChaCha8Rng) -> Option<Vec<SkinPoint>> {
         let p_l = self.place_on(receptor, 1.0, rng);
         let receptor = &self.skin.receptors[receptor];

@@ -1,4 +1,4 @@
-//! What a partner does to the creature: taps, strokes and scripted touches by probes.
+//! Stimuli by a partner: taps, strokes and scripted touches with probes.
 //!
 //! They are made from where the skin really is, for they are done to the creature, not by it.
 

@@ -1,4 +1,4 @@
-//! A script of what is done to the creature: probes and the ways they take.
+//! A script of stimuli: probes and their paths.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ struct ScriptedProbe {
     path: Vec<Waypoint>,
 }
 
-/// What is done to the creature.
+/// The script of touches (JSON).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Script {
@@ -58,7 +58,7 @@ impl Script {
     /// What cannot be done of it.
     fn fault(&self) -> Option<String> {
         if self.probes.is_empty() {
-            return Some("it has no probe: give it one at least".into());
+            return Some("it has no probes: give at least one".into());
         }
         for (k, ScriptedProbe { name, path }) in self.probes.iter().enumerate() {
             if name.is_empty() || self.probes[..k].iter().any(|other| other.name == *name) {
@@ -67,16 +67,16 @@ impl Script {
                 ));
             }
             if path.is_empty() {
-                return Some(format!("the probe \"{name}\" has no path: give it one waypoint at least"));
+                return Some(format!("the probe \"{name}\" has no path: give at least one waypoint"));
             }
             for (j, waypoint) in path.iter().enumerate() {
                 let numbers = waypoint.at.iter().flatten().chain([&waypoint.time, &waypoint.height]);
                 let fault = if waypoint.at.is_some() == waypoint.receptor.is_some() {
                     "needs either \"at\" or \"receptor\": give one of them"
                 } else if waypoint.time < 0.0 || { numbers }.any(|x| !x.is_finite() || x.abs() > 1e4) {
-                    "has a number that cannot be: give times from 0 on, and metres"
+                    "has an impossible number: give times from 0, and metres"
                 } else if j > 0 && waypoint.time <= path[j - 1].time {
-                    "is not later than the one before it: put them in order of time"
+                    "is not later than the one before it: order them by time"
                 } else {
                     continue;
                 };
@@ -103,7 +103,7 @@ impl Script {
                 let receptor = found.ok_or_else(|| {
                     let (probe, creature) = (&probe.name, stage.agent().creature().name());
                     Error::usage(format!(
-                        "\"{probe}\" goes to the receptor \"{id}\", which {creature} has not"
+                        "\"{probe}\" goes to receptor \"{id}\", which {creature} does not have"
                     ))
                 })?;
                 let pose = stage.limb_pose(receptor.limb);

@@ -144,9 +144,8 @@ impl<'a> Strokes<'a> {
         })
     }
 
-    /// A random stroke over so many joints, setting out at `time`: a row of limbs that follow each other is drawn, then a
-    /// place on its first and one on its last limb; the way goes towards the latter over the skin. None where no row has
-    /// room for it.
+    /// A random stroke over so many joints, setting out at `time`: a row of limbs that follow each other is drawn, then a place
+    /// on its first and one on its last limb; the way goes towards the latter over the skin. `None` if no row has room for it.
     pub fn across(&self, joints: usize, time: f64, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
         let rows = self.rows(joints + 1);
         (0..WAYS).find_map(|_| {
@@ -177,7 +176,7 @@ impl<'a> Strokes<'a> {
     }
 
     /// A way over the skin of a row of limbs from a place on the first one towards a place on the last one, straight
-    /// ahead as far as the skin has it. None where it does not get there, or comes near another limb.
+    /// ahead as far as the skin has it. `None` if it does not get there, or comes near another limb.
     fn towards(&self, row: &[usize], from: &Vector3<f64>, to: &Vector3<f64>) -> Option<Vec<SkinPoint>> {
         let last = row[row.len() - 1];
         let [start, end] = [self.onto(row, from)?, self.onto(row, to)?];
@@ -230,7 +229,7 @@ impl<'a> Strokes<'a> {
     }
 
     /// A way over a limb's skin of a length, metres, from a point near it in a direction, both in the limb's frame; in
-    /// the world's frame. None where it leaves the limb or comes near another.
+    /// the world's frame. `None` if it leaves the limb or comes near another.
     fn way(
         &self,
         limb: usize,
@@ -262,7 +261,7 @@ impl<'a> Strokes<'a> {
         found.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Where a probe that touches the nearest of some limbs at a point has its middle; none where that is covered by
+    /// Where a probe that touches the nearest of some limbs at a point has its middle; `None` if that is covered by
     /// another, or has no surface.
     pub(super) fn onto(&self, on: &[usize], p: &Vector3<f64>) -> Option<SkinPoint> {
         let mut middle = *p;

@@ -60,7 +60,7 @@ pub fn build(path: &Path, options: &StageOptions) -> Result<StageCore, Error> {
     let reader = ContactReader::new(&body, agent.skin());
     let posture = Posture::start(&body.creature);
 
-    // What is in each other where the creature stands at ease is so for good.
+    // What is in each other where the creature is in the rest posture is so for good.
     let mut with_self_touch = Data::new(body.model.clone())?;
     let mut qpos = declared.qpos0().to_vec();
     let own = body.qpos(&posture);

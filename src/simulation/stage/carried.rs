@@ -1,4 +1,4 @@
-//! A thing that does not move by itself, and what carries it.
+//! A carried thing, and the limb or path that carries it.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -7,7 +7,7 @@ use crate::geometry::wxyz;
 use crate::mujoco::Data;
 use crate::simulation::ProbePath;
 
-/// A thing that does not move by itself for now.
+/// A thing that does not move independently for now.
 pub struct Carried {
     /// The model's body.
     pub body: usize,
@@ -32,7 +32,7 @@ pub struct Grip {
     pub receptor: usize,
     /// `X_LT`.
     pub pose: Isometry3<f64>,
-    /// `X_WT` of where a partner took it from who put it into the hand, and takes it back to; none where the limb took it.
+    /// `X_WT` of where a partner took it from who put it into the hand, and takes it back to; `None` if the limb took it.
     pub given_from: Option<Isometry3<f64>>,
 }
 

@@ -114,8 +114,8 @@ impl StageCore {
         Ok(!touches)
     }
 
-    /// Puts a stick that nobody holds into a hand, where one of its receptors is, so that it leads where the hand points
-    /// or a little aslant and meets nothing; the number of the stick. None where there is no stick, or no room for it.
+    /// Puts a stick that nobody holds into a hand, where one of its receptors is, so that it leads where the hand
+    /// points or a little aslant and meets nothing; the number of the stick. `None` if there is no stick, or no room for it.
     pub fn give_any_stick(&mut self, receptor: usize) -> Result<Option<usize>> {
         let held = |body: usize| self.carried.iter().any(|carried| carried.body == body);
         let mut free = (0..self.body.model.nbody()).filter(|&body| !held(body));

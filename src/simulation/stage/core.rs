@@ -1,4 +1,4 @@
-//! How a stage goes on, step by step, and what the creature feels of it.
+//! Advancing a stage step by step, with the creature's senses.
 
 use std::any::Any;
 use std::collections::BTreeSet;

@@ -77,7 +77,7 @@ impl Stage {
         AgentHandle { stage: self.clone() }
     }
 
-    /// What the creature is given of itself.
+    /// What the creature is given about itself.
     pub fn agent(&self) -> &Agent {
         &self.agent
     }

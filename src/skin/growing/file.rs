@@ -63,7 +63,7 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
         let written = Model::written_out(path)?;
         root = Source::of_text(path, &written)?.root;
         name_all(&mut root, &body)
-            .ok_or_else(|| unsuitable("its bodies are not written out in the file: flatten it first"))?;
+            .ok_or_else(|| unsuitable("its bodies are not spelled out in the file: flatten it first"))?;
     }
     let sprouts = sprouts(&body, &skin_of(&body), options).map_err(Error::of_model(path))?;
     let kept = touch_sites(&model).count();
@@ -71,9 +71,9 @@ pub fn grow_skin_rooted(path: &Path, root: Option<&str>, options: &GrowOptions) 
         let meshes = (0..model.ngeom())
             .any(|g| body.feels(g) && Shape::of_geom(&model, g).is_some_and(|shape| !shape.is_solid()));
         return Err(unsuitable(if meshes {
-            "its moving bodies have flat meshes alone, on which no skin grows: give them capsules or boxes too"
+            "its moving bodies have only flat meshes, on which no skin grows: add capsules or boxes"
         } else {
-            "no geom of a moving body can touch anything: give it geoms"
+            "no geom of a moving body can touch anything: add geoms"
         }));
     }
     let auras = add_auras(&mut root, &body, digits(&sprouts))?;
@@ -157,7 +157,7 @@ fn receptor_class(root: &mut Element) -> Result<String, String> {
             && let Some(sticky) = STICKY.iter().find(|&&name| site.has(name))
         {
             return Err(format!(
-                "its default for all sites has {sticky}, which receptors cannot undo: move it into a class"
+                "its default for all sites has {sticky}, which receptors cannot override: move it into a class"
             ));
         }
     }
@@ -182,7 +182,7 @@ fn is_own(body: &Body, of_model: usize) -> bool {
     of_model != 0 && body.limb_of_body[of_model].is_some()
 }
 
-/// Names all of a creature in its file; none where the file's bodies or joints are not the model's.
+/// Names all of a creature in its file; `None` if the file's bodies or joints are not the model's.
 ///
 /// MuJoCo numbers bodies, and joints within them, in the order of the file.
 fn name_all(root: &mut Element, body: &Body) -> Option<()> {
@@ -225,7 +225,7 @@ pub(super) fn each_body(root: &mut Element, visit: &mut impl FnMut(&mut Element)
     }
 }
 
-/// The way from one folder to another, as a path; none where both are the same.
+/// The way from one folder to another, as a path; `None` if both are the same.
 fn way(from: &Path, to: &Path) -> Option<PathBuf> {
     let whole = |path: &Path| {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };

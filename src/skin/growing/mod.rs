@@ -121,7 +121,7 @@ fn sprouts(body: &Body, skin: &Skin, options: &GrowOptions) -> Result<Vec<Sprout
     // What is buried does not count, but who asks for this much has mistaken the unit.
     if wanted > MOST_RECEPTORS || wanted.is_nan() {
         return Err(Error::model(format!(
-            "that makes some {wanted:.0} receptors, more than {MOST_RECEPTORS}: ask for larger patches"
+            "about {wanted:.0} receptors would be needed, more than {MOST_RECEPTORS}: ask for larger patches"
         )));
     }
     let mut covers: Vec<GeomCover> = geoms
@@ -207,7 +207,7 @@ struct GeomCover {
 }
 
 impl GeomCover {
-    /// None where next to nothing is exposed.
+    /// `None` if next to nothing is exposed.
     fn new(exposure: &Exposure, own: &OwnReceptors, geom: usize, area: f64) -> Option<GeomCover> {
         let surface = exposure.surface(geom)?;
         let (mut samples, share) = exposure.samples(geom, area / SAMPLES_PER_RECEPTOR);

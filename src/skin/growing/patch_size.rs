@@ -107,7 +107,7 @@ impl GrowOptions {
                 known.sort();
                 known.dedup();
                 let known = known.join(", ");
-                return Err(Error::model(format!("no limb is called {name}; there are {known}")));
+                return Err(Error::model(format!("no limb is called {name}; the limbs are {known}")));
             }
             bodies.into_iter().for_each(|body| factors[body] *= factor);
         }

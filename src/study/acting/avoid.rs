@@ -1,4 +1,4 @@
-//! Whether a creature gets out of the way of what comes near, and keeps still what is not in its way.
+//! Whether a creature avoids an approaching thing and keeps all other limbs still.
 
 use std::collections::BTreeSet;
 

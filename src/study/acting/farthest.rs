@@ -1,4 +1,4 @@
-//! How far away a creature puts what it holds, beside how far it could by its true body.
+//! How far away a creature puts a held thing, compared with its reach according to the true body.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 use rand::RngExt;
@@ -77,7 +77,7 @@ fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result
         "forward_m": reached,
         "of_true_reach": reached / possible.max(reached),
         "done": false,
-        "result": "there is no way",
+        "result": "no path found",
     });
     let Some(spot) = spot else { return Ok(row) };
     let thing = actor.the_thing()?;
@@ -99,7 +99,7 @@ fn put(scene: &Scene, mut actor: OnStage, receptor: usize, lean: bool) -> Result
         Err(trouble) => trouble.to_string(),
         Ok(_) if after.translation.z <= TOP - BELOW => "it fell off the table".into(),
         Ok(_) if tilt > FELL => "it fell over".into(),
-        Ok(_) if off > OFF => "it is not where it was to be".into(),
+        Ok(_) if off > OFF => "it is not at its target".into(),
         Ok(_) => "put".into(),
     });
     row["done"] = json!(row["result"] == "put");

@@ -22,7 +22,7 @@ use crate::simulation::{Stage, Substance, Thing};
 
 pub(super) const STUDY: Study = Study {
     name: "acting",
-    about: "how well a creature acts by the body that it has learned, beside the same by its true body",
+    about: "success of actions with the learned body, compared with the true body",
     of: Studied::Acting,
     touches: None,
     seconds: None,
@@ -50,16 +50,16 @@ pub(super) const STUDY: Study = Study {
         Column::new("result", &[]),
     ],
     notes: &[
-        "other hand: one arm finds a thing on a table, or a thing is held against it in the air; done: the other hand touches it, \
-         first: on the first attempt; error_mm: from where the arm touched it to the nearest skin of the hand; felt_mm: from \
+        "other hand: one arm finds a thing on a table, or a thing is held against it in the air. done: the other hand touches it; first: on the first attempt; error_mm: distance from the arm's contact to the nearest skin of the hand; felt_mm: from \
          where the arm, whose receptors have an extent, located the touch to where it was; felt_on_mm: the same after feeling \
          on; contact_mm: between both contacts, on the thing; unintended: anything else was met.",
-        "farthest: it puts what it holds as far away as it can, upright or leaning; done: the thing stands within 3 cm of where \
-         the hand was to leave it; forward_m: how far the grip got, of_true_reach: of what the same search reaches by the true \
-         body.",
-        "find: it counts 1 to 5 things on a table; done: the count is right; found: things that are remembered within 5 cm of \
-         their surface, phantoms: what is remembered elsewhere; done_later: the count is right after a thing was taken away.",
-        "avoid: a thing approaches that would hit it if it held still; done: no touch; others_still: limbs that are not \
+        "farthest: it puts what it holds as far away as it can, upright or leaning. done: the thing stands within \
+         3 cm of the planned position; forward_m: distance reached by the grip; of_true_reach: the same as a \
+         share of what the search reaches with the true body.",
+        "find: it counts 1 to 5 things on a table. done: the count is right; found: things remembered within 5 cm \
+         of their surface; phantoms: things remembered elsewhere; done_later: the count is right after a thing \
+         was removed.",
+        "avoid: a thing approaches on a collision course. done: no touch; others_still: limbs that are not \
          threatened move by less than 10 mm; unintended: an arm touched the body.",
     ],
     run,

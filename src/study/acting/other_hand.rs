@@ -1,4 +1,4 @@
-//! Whether a creature touches with one hand what the other arm felt.
+//! Whether a creature touches with one hand a thing that the other arm felt.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rand::RngExt;

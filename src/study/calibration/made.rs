@@ -1,4 +1,4 @@
-//! Robots that are made up, logs of them, and faults of either: to see what the verdict on a calibration is worth.
+//! Simulated robots and logs, with and without faults, to test the verdict on a calibration.
 //!
 //! A robot is one arm or two of four to six hinges by Denavit and Hartenberg's numbers, whose encoders are off by up to 5° and
 //! whose offsets are to be found. Its log is of one kind of data, and has at most one fault.

@@ -11,7 +11,7 @@ use made::{Data, Fault, Made};
 
 pub(super) const STUDY: Study = Study {
     name: "calibration",
-    about: "whether the verdict on a calibration is right, of made robots with and without a fault, by four kinds of data",
+    about: "correctness of calibration verdicts on simulated robots with and without a fault, from four kinds of data",
     of: Studied::Generated,
     touches: None,
     seconds: None,

@@ -16,7 +16,7 @@ pub struct Freedom {
     pub axis: Vector3<f64>,
     /// Least and greatest coordinate, degrees or metres; of a ball 0 and the largest angle.
     pub range: [f64; 2],
-    /// The degree of freedom of the limb before it that it follows, times so much; none where it moves by itself.
+    /// The degree of freedom of the limb before it that it follows, times so much; `None` if it moves independently.
     pub follows: Option<f64>,
 }
 

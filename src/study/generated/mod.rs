@@ -1,4 +1,4 @@
-//! Bodies that nobody designed: a seed makes one, with its truth, the MJCF itself.
+//! Random bodies: a seed determines one and its ground truth, the MJCF itself.
 //!
 //! They are drawn without a look at what can be learned of them: some touch themselves nowhere, and much of some nobody
 //! could find out. The typical length of a limb is uniform in its logarithm from 1 cm to 10 m. The same seed gives the same

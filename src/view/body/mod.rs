@@ -120,7 +120,7 @@ pub(super) struct Step {
     pub name: String,
     /// How many these are.
     pub touches: usize,
-    /// How far off it is then, millimetres; none where that is not known.
+    /// How far off it is then, millimetres; `None` if that is not known.
     pub millimetres: Option<f64>,
     /// The name of its poses.
     pub poses: &'static str,
@@ -247,7 +247,7 @@ impl BodyScene {
         self.skeletons.push(skeleton(agent, TRUE_JOINTS, "true", look, &[]));
     }
 
-    /// The box about the corners of meshes at poses, and about joints; none where there is nothing.
+    /// The box about the corners of meshes at poses, and about joints; `None` if there is nothing.
     pub fn room_of<'a>(
         meshes: impl IntoIterator<Item = (&'a BodyMesh, &'a Pose)>,
     ) -> Option<[Vector3<f64>; 2]> {
@@ -331,7 +331,7 @@ impl BodyScene {
                     format!("<output class=\"off\">{} mm</output>", escape(&error_number(off)))
                 });
                 format!(
-                    "<div class=\"player\"><button type=\"button\" class=\"play\">▶ watch it learn</button>{off}</div>\n\
+                    "<div class=\"player\"><button type=\"button\" class=\"play\">▶ play learning</button>{off}</div>\n\
                      <label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \
                      max=\"{most}\" value=\"{most}\"/></label>\n",
                     escape(&last.name),

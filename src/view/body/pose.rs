@@ -1,4 +1,4 @@
-//! A body laid out in a posture, by whatever schema.
+//! A body posed according to a schema.
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};

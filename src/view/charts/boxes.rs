@@ -19,7 +19,7 @@ pub fn quartiles(values: impl IntoIterator<Item = f64>) -> Option<[f64; 5]> {
 pub fn box_marks(row: usize, name: &str, [least, low, middle, high, greatest]: [f64; 5]) -> [ChartMark; 3] {
     let row = row as f64;
     let [a, b, c, d, e] = [middle, low, high, least, greatest].map(number);
-    let says = format!("{name}: {a} mm on the median, half of it from {b} to {c} mm, all from {d} to {e} mm");
+    let says = format!("{name}: median {a} mm, middle half {b} to {c} mm, range {d} to {e} mm");
     let (from, to) = ([low, row - 0.32], [high, row + 0.32]);
     let line = |points, width| ChartMark::Line { points, dashes: "", width };
     [

@@ -1,4 +1,4 @@
-//! What is drawn on the axes of a chart, each with what it says where the mouse rests on it.
+//! Marks on the axes of a chart, each with its tooltip.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ pub enum Ink {
     Blue,
     /// A bound, and what stays open.
     Orange,
-    /// What a learner says of itself.
+    /// A learner's own estimate.
     Green,
     /// What is beside the point.
     Grey,

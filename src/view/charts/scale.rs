@@ -1,4 +1,4 @@
-//! An axis: what it counts, and where it is labelled.
+//! An axis: its quantity, scale and labels.
 
 use super::{ChartGroup, ChartMark, width_of};
 use crate::view::text::{plain, tick_label, ticks};

@@ -158,7 +158,11 @@ impl BabblingView {
             chart("Prediction error of each touch", ("touches", along(missed, 0)), millimetres, dots);
         [
             ("made", chart("Touches over time", x, y, line), "Touches made."),
-            ("missed", missed, "How far apart the learned body had put the two surfaces that then touched."),
+            (
+                "missed",
+                missed,
+                "Distance between the two touching surfaces as predicted by the learned body before the touch.",
+            ),
         ]
     }
 }
@@ -234,8 +238,7 @@ impl LivePage for BabblingView {
         scene.layers.push(learned);
         scene.add_joints(&self.agent, &[]);
         scene.room = room(self.extent, self.aside());
-        let caption = "Left the body as it touches itself, right the body learned so far, in the same posture. \
-                       Receptors light up where they are touched. Turn it with the mouse.";
+        let caption = "Left: the body during self-touch. Right: the body learned so far, in the same posture. Touched receptors light up. Drag to rotate.";
         let body = scene.figure("The body, and the learned body beside it", HEIGHT, "", caption);
         let charts: String =
             Self::charts_of(&[], &[]).iter().map(|(id, chart, caption)| figure(id, chart, caption)).collect();

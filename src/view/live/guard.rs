@@ -1,4 +1,4 @@
-//! Who a live view answers, and what a browser may do with the answer.
+//! Which requests a live view answers, and what a browser may do with the answer.
 
 use std::net::IpAddr;
 use std::time::Duration;
@@ -30,10 +30,10 @@ pub(super) async fn guard(request: Request, next: Next) -> Response {
     let mut answer = if ours(request.headers()) {
         match timeout(ANSWER, next.run(request)).await {
             Ok(answer) => answer,
-            Err(_) => (StatusCode::REQUEST_TIMEOUT, "the request took too long").into_response(),
+            Err(_) => (StatusCode::REQUEST_TIMEOUT, "the request timed out").into_response(),
         }
     } else {
-        (StatusCode::FORBIDDEN, "open this page by the address that bodyschema printed").into_response()
+        (StatusCode::FORBIDDEN, "open this page at the address that bodyschema printed").into_response()
     };
     for (name, value) in EVERYWHERE {
         answer.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));

@@ -68,7 +68,7 @@ impl LookingView {
         LookingView { extents: all.iter().map(|looked| extent(&looked.agent, &looked.schema)).collect(), all }
     }
 
-    /// What is asked for; none where there is no such thing.
+    /// What is asked for; `None` if there is no such thing.
     fn looking(&self, asked: &ShowRequest) -> Option<Looking> {
         let shown = self.all.get(asked.session)?;
         if asked.beside.is_some_and(|beside| beside >= self.all.len()) {
@@ -145,7 +145,7 @@ impl LookingView {
                     "{name}: located to within {best} to {worst} mm (95 %), depending on the reference limb"
                 )
             }
-            (None, None) => format!("{name}: has no skin to locate"),
+            (None, None) => format!("{name}: no skin to locate"),
         }
     }
 
@@ -204,7 +204,7 @@ impl LookingView {
     }
 }
 
-/// A posture of coordinates that a page has, within the joints' ranges; none where they are no such.
+/// A posture of coordinates that a page has, within the joints' ranges; `None` if they are no such.
 fn posture(creature: &Creature, coordinates: &[f64]) -> Option<Posture> {
     if coordinates.len() != creature.coordinates() || !coordinates.iter().all(|x| x.is_finite()) {
         return None;
@@ -244,9 +244,8 @@ impl LivePage for LookingView {
         }
         scene.poses = self.poses(&state);
         scene.room = room(self.extents[state.shown], self.aside(&state));
-        let caption = "Click on a limb to see how well it is located. Turn the body with the mouse or the arrow keys; Ctrl with the \
-                       wheel zooms.";
-        let body = scene.figure("The body that is looked at", HEIGHT, "", caption);
+        let caption = "Click a limb to see how well it is located. Drag or use the arrow keys to rotate; Ctrl and the wheel zoom.";
+        let body = scene.figure("The selected body", HEIGHT, "", caption);
         let content = format!(
             "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\">{}</p>\n<section class=\"looking\" \
              data-session=\"{}\" data-beside=\"{}\">\n<div>{body}</div>\n<div class=\"controls\">\n{}<p id=\"about\" class=\"note\" aria-live=\"polite\"></p>\n</div>\n</section>\n",

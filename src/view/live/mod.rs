@@ -1,4 +1,4 @@
-//! A live view: a page on this machine that shows what happens while it happens.
+//! A live view: a page on this machine that follows a running command.
 //!
 //! A page records its newest state and goes on; a thread of the server sends it to browsers, each as often as it can
 //! follow. A slow browser, or none, or a thousand clients that hold on to a connection, change nothing for the work.

@@ -37,7 +37,7 @@ const LONGEST_LINE: usize = 500;
 const LONGEST_BODY: usize = 16 << 10;
 /// What a page shows.
 pub trait LivePage: Send + Sync + 'static {
-    /// The page, before anything has happened; `query` is what its address asks for after the question mark. None where there
+    /// The page, before anything has happened; `query` is what its address asks for after the question mark. `None` if there
     /// is no such page.
     fn page(&self, query: &str) -> Option<String>;
     /// What to show next to everyone, as JSON: asked for at every tick as long as anyone looks.
@@ -196,7 +196,7 @@ async fn page(State(shared): State<Shared>, RawQuery(query): RawQuery) -> Respon
             _ => shared.view.page(&query).map(|page| kept.insert((query, page.into())).1.clone()),
         }
     };
-    answer(page, super::SCRIPT, "there is no such page: leave out what follows the question mark")
+    answer(page, super::SCRIPT, "no such page: leave out everything after the question mark")
 }
 
 async fn charts(State(shared): State<Shared>) -> impl IntoResponse {
@@ -232,7 +232,7 @@ async fn events(
 
 async fn finished_report(State(shared): State<Shared>) -> Response {
     let page = shared.view.report().and_then(|path| std::fs::read(path).ok());
-    answer(page, report::SCRIPT, "there is no report yet: it is written once all is learned")
+    answer(page, report::SCRIPT, "no report yet: it is written when learning is complete")
 }
 
 async fn ask(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Response {

@@ -128,8 +128,8 @@ impl LivePage for TableView {
         scene.room = [room[0] - Vector3::repeat(ROOM), room[1] + Vector3::repeat(ROOM)];
         scene.poses = vec![("own", own), ("things", things)];
         let caption =
-            "Click on its skin to touch it there. Turn it with the mouse; receptors light up where it feels.";
-        let body = scene.figure("The creature and what is about it", HEIGHT, "", caption);
+            "Click on its skin to touch it there. Drag to rotate; receptors that feel a touch light up.";
+        let body = scene.figure("The creature and its surroundings", HEIGHT, "", caption);
         let content = format!(
             "<section class=\"talk\">\n<div>{body}</div>\n<div class=\"dialogue\">\n\
              <ol id=\"lines\" aria-live=\"polite\"></ol>\n<p id=\"doing\" class=\"note\"></p>\n\
@@ -139,7 +139,7 @@ impl LivePage for TableView {
         );
         Some(page(
             self.agent.creature().name(),
-            "It is blindfolded: it knows its body from touching itself, and the scene from what it feels",
+            "It is blindfolded: it knows its body from self-touch, and the scene from what it feels",
             &content,
         ))
     }

@@ -26,8 +26,8 @@ fn ffmpeg(path: &Path, what: &str, fix: &str) -> Error {
 }
 
 fn failed(path: &Path, message: &str) -> Error {
-    let what = format!("ffmpeg fails with \"{message}\"");
-    ffmpeg(path, &what, "give another ending of the file's name")
+    let what = format!("ffmpeg failed with \"{message}\"");
+    ffmpeg(path, &what, "give another file extension")
 }
 
 /// The bytes of a PNG of eight bits a colour.
@@ -105,7 +105,7 @@ impl Film {
         let child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
         let child = child.map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => {
-                let what = "there is no ffmpeg in the PATH to make a film with";
+                let what = "films need ffmpeg, which is not in the PATH";
                 ffmpeg(path, what, "install Debian's package ffmpeg")
             }
             _ => failed(path, &error.to_string()),

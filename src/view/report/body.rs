@@ -48,7 +48,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     }
     let all = scene.meshes.iter().flat_map(|mesh| scene.poses.iter().map(move |(_, pose)| (mesh, pose)));
     let Some(room) = BodyScene::room_of(all) else {
-        return format!("{above}<p class=\"note\">There is nothing to draw.</p>\n");
+        return format!("{above}<p class=\"note\">Nothing to draw.</p>\n");
     };
     let bare = scene.meshes[0].pieces.is_empty();
     scene.hidden = if bare { vec![AURAS, MAP] } else { vec!["receptors", AURAS, MAP] };
@@ -65,20 +65,20 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
         above: above.into(),
         aspect: (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST),
     });
-    let over = if input.truth.is_some() { " before the true one, grey" } else { "" };
+    let over = if input.truth.is_some() { " over the true one (grey)" } else { "" };
     let caption = format!(
-        "The learned body{over}, in the rest posture. Turn it with the mouse or the arrow keys; Ctrl with the wheel zooms. \
-         Receptors{} are coloured by how often they were touched; orange joints are those that the touches do not \
-         determine.{}{}",
-        if bare { "" } else { ", once they are switched on," },
+        "The learned body{over}, in the rest posture. Drag or use the arrow keys to rotate; Ctrl and the wheel \
+         zoom. Receptors{} are coloured by their number of touches; orange joints are not determined by the \
+         touches.{}{}",
+        if bare { "" } else { ", once switched on," },
         if left_out > 0 {
-            format!(" Left out are the {left_out} receptors that were touched least.")
+            format!(" The {left_out} least touched receptors are not drawn.")
         } else {
             String::new()
         },
         if several {
-            " The slider goes from a random initial guess to what was learned in the end; the millimetres are how far off skin is \
-             in another limb's frame, a root mean square over what the touches determine in the end."
+            " The slider goes from a random initial guess to the final schema; the millimetres are the RMS \
+             surface error between limbs, over everything that the touches determine in the end."
         } else {
             ""
         }

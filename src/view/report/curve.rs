@@ -30,17 +30,17 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     if !predicted.is_empty() {
         let dots = predicted.iter().map(|[touch, gap, deviation]| {
             let [missed, by] = [gap, deviation].map(|millimetres| number(*millimetres));
-            let says = format!("touch {touch}: missed by {missed} mm, predicted ± {by} mm");
+            let says = format!("touch {touch}: prediction error {missed} mm, predicted ± {by} mm");
             ChartMark::dot([*touch, *gap], 1.8, says)
         });
-        group("miss of each touch, before it was learned from", Ink::Grey, dots.collect());
+        group("prediction error of each touch, before it was used", Ink::Grey, dots.collect());
         let deviations = line(predicted.iter().map(|p| [p[0], p[2]]).collect(), "", 1.5);
-        group("deviation predicted for it", Ink::Green, vec![deviations]);
+        group("predicted deviation", Ink::Green, vec![deviations]);
     }
     if let (Some([_, error]), false) = (initial_guess.first(), errors.is_empty()) {
         let x = errors.iter().chain(&limits).map(|p| p[0]).chain(predicted.iter().map(|p| p[0]));
         let [first, last] = [x.clone().fold(f64::INFINITY, f64::min), x.fold(0.0, f64::max)];
-        let says = format!("at a random initial guess: {} mm", number(*error));
+        let says = format!("random initial guess: {} mm", number(*error));
         let points = [first, last].map(|x| [x, *error]);
         let mut marks = points.map(|at| ChartMark::dot(at, 2.0, says.clone())).to_vec();
         marks.push(line(points.to_vec(), "2 4", 1.5));
@@ -59,7 +59,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         group(name, ink, marks);
     }
     if groups.is_empty() {
-        return "<p class=\"note\">Too little was kept on the way for a curve.</p>\n".into();
+        return "<p class=\"note\">Too few checkpoints for a curve.</p>\n".into();
     }
     let [x, y] = [0, 1].map(|axis| Scale::logarithmic_of(&groups, axis));
     let panel = Panel::new(("touches", x), ("error, mm", y), groups, [660.0, 320.0]);
@@ -70,10 +70,13 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         ),
         (
             !limits.is_empty(),
-            "The bound is the least that any unbiased learner could leave on average over many sessions with so many \
-             touches, if their noise is what the learner estimates; a single session may lie below it.",
+            "The bound is the smallest error that any unbiased learner can achieve on average over many sessions \
+             with this many touches and the estimated noise; a single session may lie below it.",
         ),
-        (!predicted.is_empty(), "Dots: how far apart the schema put the two surfaces that then touched."),
+        (
+            !predicted.is_empty(),
+            "Dots: predicted distance between the two touching surfaces, before each touch was used.",
+        ),
     ];
     let captions: Vec<&str> =
         captions.into_iter().filter_map(|(there, words)| there.then_some(words)).collect();

@@ -21,8 +21,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             }
             (
                 "held-out error, mm",
-                "Per joint, the held-out errors of all skin points that are expressed in a limb beyond it: the middle \
-                 half in the box, all within the whiskers.",
+                "Per joint, the held-out errors of all skin points expressed in the frame of a limb beyond it. \
+                 Boxes show the middle half, whiskers the range.",
             )
         }
         None => {
@@ -32,8 +32,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             }
             (
                 "residual, mm",
-                "The truth is not known. Per joint, how far apart the schema puts what touched, over all touches with \
-                 the joint between the two limbs: the middle half in the box.",
+                "The true body is not known. Per joint, the residuals of all touches with the joint between the \
+                 two limbs. Boxes show the middle half.",
             )
         }
     };
@@ -48,10 +48,10 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         boxes.retain(|(_, values)| values[2] >= medians[MOST_JOINTS - 1]);
         // Many may be equal.
         boxes.truncate(MOST_JOINTS);
-        left_out = format!(" Of {all} joints it shows the {MOST_JOINTS} with the greatest medians.");
+        left_out = format!(" Shown are the {MOST_JOINTS} of {all} joints with the largest medians.");
     }
     if boxes.is_empty() {
-        return "<p class=\"note\">There is nothing to measure a joint's error by.</p>\n".into();
+        return "<p class=\"note\">No data on joint errors.</p>\n".into();
     }
     let marks =
         boxes.iter().enumerate().flat_map(|(k, (name, values))| box_marks(k, name, *values)).collect();

@@ -49,7 +49,7 @@ pub struct ReportInput<'a> {
     pub record: &'a LearningRecord,
     /// The rows of the table of learning, which have what the learner predicted of touches.
     pub predictions: &'a [LearningRow],
-    /// Where the hands can get to, once that was worked out.
+    /// The reachable workspace, if it was computed.
     pub space: Option<&'a SpaceRecord>,
     /// The session's seed.
     pub seed: u64,
@@ -60,7 +60,7 @@ pub struct ReportInput<'a> {
     pub facts: Vec<(String, String)>,
     /// Whether held-out touches confirm what was learned; `None` if that was not kept.
     pub converged: Option<bool>,
-    /// How long it took to touch and to learn, seconds; none where that was not kept.
+    /// How long it took to touch and to learn, seconds; `None` if that was not kept.
     pub seconds: Option<f64>,
     /// The joints that the touches did not determine.
     pub undetermined: &'a [usize],
@@ -71,16 +71,16 @@ type Section = (&'static str, fn(&ReportInput) -> String);
 
 /// The sections of the page, below the body.
 const SECTIONS: &[Section] = &[
-    ("How well it was learned", tables::errors),
-    ("What stays undetermined", tables::undetermined),
+    ("Accuracy", tables::errors),
+    ("Undetermined joints and limbs", tables::undetermined),
     ("Located limbs", tables::limbs),
     ("Learning curve", curve::figure_of),
-    ("Who touched whom", touch_matrix::figure_of),
-    ("Where the hands can get to", reachable::figure_of),
+    ("Touches by pair of limbs", touch_matrix::figure_of),
+    ("Reachable workspace", reachable::figure_of),
     ("Error per joint", joint_errors::figure_of),
     ("Residuals", residuals::figure_of),
     ("Joint by joint", tables::joints),
-    ("What was done", tables::facts),
+    ("Settings", tables::facts),
 ];
 
 /// The whole page: HTML of some hundred kilobytes, of a creature of a thousand limbs less than two thousand.

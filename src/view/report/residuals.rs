@@ -1,4 +1,4 @@
-//! How far apart the learned schema puts what touched.
+//! Contact residuals under the learned schema.
 
 use super::ReportInput;
 use crate::evaluation::Summary;
@@ -16,7 +16,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let residuals = input.residuals;
     let all: Vec<f64> = residuals.values.iter().map(|(_, value)| *value).filter(|v| v.is_finite()).collect();
     if all.is_empty() {
-        return "<p class=\"note\">There is no touch to look at.</p>\n".into();
+        return "<p class=\"note\">No touches.</p>\n".into();
     }
     let sizes = Summary::of(all.iter().map(|value| value.abs()));
     // Micrometres where millimetres would have many zeros.
@@ -43,13 +43,14 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let panel = Panel::new((x.0.as_str(), x.1), y, groups, [660.0, 230.0]);
     let [median, p95, most] = [sizes.median, sizes.p95, sizes.max].map(|x| number(scale * x));
     let mut caption = format!(
-        "Every touch under the learned schema; {median} {unit} on the median, {p95} {unit} at 95 %, {most} {unit} at most."
+        "Residuals of all touches under the learned schema: median {median} {unit}, 95th percentile {p95} {unit}, \
+         maximum {most} {unit}."
     );
     if residuals.gaps {
-        caption.push_str(" Below zero the two overlap.");
+        caption.push_str(" Negative values are overlaps.");
     }
     if beyond > 0 {
-        caption.push_str(&format!(" {beyond} of {count} are farther out than is drawn."));
+        caption.push_str(&format!(" {beyond} of {count} lie outside the chart."));
     }
     figure("residuals", &Chart::new("Residuals of the touches", panel), &caption)
 }

@@ -50,13 +50,13 @@ pub fn summaries<'a>(rows: impl IntoIterator<Item = (&'a str, &'a str, Summary)>
 /// The errors against the truth, each with its unit.
 pub fn error_rows(evaluation: &Evaluation) -> Vec<(&'static str, &'static str, Summary)> {
     let rows = [
-        ("skin in another limb's frame", "mm", Some(evaluation.heldout_mm)),
+        ("surface position in another limb's frame", "mm", Some(evaluation.heldout_mm)),
         (
-            "the same, of located limbs",
+            "the same, located limbs only",
             "mm",
             Some(evaluation.determined_mm).filter(|all| all.mean.is_finite()),
         ),
-        ("the same, with a hand as one of the two", "mm", evaluation.hand_mm),
+        ("the same, pairs with a hand", "mm", evaluation.hand_mm),
         ("angle between axes", "°", Some(evaluation.axis_deg)),
         ("distance between axis lines", "mm", Some(evaluation.axis_line_mm)),
     ];
@@ -66,15 +66,15 @@ pub fn error_rows(evaluation: &Evaluation) -> Vec<(&'static str, &'static str, S
 /// The error measures.
 pub(super) fn errors(input: &ReportInput) -> String {
     let Some(evaluation) = input.evaluation else {
-        return "<p>The truth is not known, so no error could be measured.</p>\n".into();
+        return "<p>The true body is not known, so no errors could be measured.</p>\n".into();
     };
     let bound = evaluation
         .bound_mm
         .as_ref()
         .map_or(String::new(), |bound| format!(" The {}.", bound_in_words(bound)));
     format!(
-        "{}<p class=\"note\">The skin is compared at random postures that were not babbled. 95 % of the values are no \
-         greater than the column says.{}</p>\n",
+        "{}<p class=\"note\">Surface positions are compared at random postures that were not babbled. 95 % of the \
+         errors are at most the value in the 95 % column.{}</p>\n",
         summaries(error_rows(evaluation)).html("errors"),
         escape(&bound)
     )
@@ -83,20 +83,21 @@ pub(super) fn errors(input: &ReportInput) -> String {
 /// The error beside its bound, both as root mean squares, in words.
 pub fn bound_in_words(bound: &CramerRaoBound) -> String {
     let beside = match bound.at_floor {
-        true => "the touches are explained to the numerical floor".to_string(),
+        true => "the touches fit to numerical precision".to_string(),
         false => format!(
-            "{:.2} times the Cramér-Rao bound of {} mm, which holds on average over sessions",
+            "{:.2} times the Cramér-Rao bound of {} mm, which applies to the average over sessions",
             bound.ratio,
             error_number(bound.bound_rms)
         ),
     };
-    format!("root mean square of located limbs: {} mm; {beside}", error_number(bound.error_rms))
+    format!("RMS of the located limbs: {} mm; {beside}", error_number(bound.error_rms))
 }
 
 /// What the touches leave open, in sentences.
 pub(super) fn undetermined(input: &ReportInput) -> String {
     if input.converged == Some(false) {
-        return "<p>All joints: no held-out touches confirm the schema, and what touches determine at a wrong schema bounds nothing.</p>\n".into();
+        return "<p>All joints: no held-out touches confirm the schema, so no bounds can be given.</p>\n"
+            .into();
     }
     let listed = |names: &[String]| escape(&names.join(", "));
     let joints = input.agent.creature().joints();
@@ -105,7 +106,7 @@ pub(super) fn undetermined(input: &ReportInput) -> String {
     let mut html = match open.len() {
         0 => "<p>No joint is undetermined.</p>\n".to_string(),
         count => format!(
-            "<p>The touches do not determine {count} of {}: {}. Where these are is a guess.</p>\n",
+            "<p>The touches do not determine {count} of {}: {}. Their positions are guesses.</p>\n",
             plural(joints.len(), "joint"),
             listed(&open)
         ),
@@ -124,7 +125,9 @@ pub(super) fn undetermined(input: &ReportInput) -> String {
             .collect();
         let all_located = input.undetermined.is_empty() && limbs.is_empty();
         let title = match all_located {
-            true => "Unobservable, but they move no located skin relative to other located skin:",
+            true => {
+                "Unobservable, but without effect on the positions of located limbs relative to each other:"
+            }
             false => "Unobservable directions:",
         };
         html += &format!("<p>{title}</p>\n<ul>\n{items}</ul>\n");
@@ -146,13 +149,12 @@ pub fn limb_table(account: &Account, creature: &Creature) -> Table {
 /// The same on the page; a sentence without an account.
 pub(super) fn limbs(input: &ReportInput) -> String {
     let Some(account) = input.record.reliable_account() else {
-        return "<p class=\"note\">No bounds are given: no held-out touches confirm the schema.</p>\n".into();
+        return "<p class=\"note\">No bounds: no held-out touches confirm the schema.</p>\n".into();
     };
     let note = input.record.floor_note().map_or(String::new(), |note| format!(" {note}"));
     format!(
-        "{}<p class=\"note\">How far off any skin of a limb may be at 95 %, in the frames of the other limbs that are \
-         located relative to one another: in that where it is known best, and in that where it is known worst. A dash \
-         stands for no bound.{note}</p>\n",
+        "{}<p class=\"note\">95 % bounds on the surface error of each limb, in the frames of the other limbs \
+         located relative to it: the best and the worst of these frames. A dash means no bound.{note}</p>\n",
         limb_table(account, input.agent.creature()).html("limbs")
     )
 }
@@ -174,7 +176,7 @@ pub(super) fn joints(input: &ReportInput) -> String {
             let short = dof.name.strip_prefix(&format!("{}_", joint.name)).unwrap_or(&dof.name);
             let is_ball = dof.kind == DofKind::Ball;
             let name = match joint.dofs.len() {
-                _ if is_ball => "turns freely",
+                _ if is_ball => "unlimited",
                 1 => "",
                 _ => short,
             };
@@ -194,21 +196,22 @@ pub(super) fn joints(input: &ReportInput) -> String {
         }
     }
     let titles = [
-        (true, &["Joint", "On limb", "Touches", "Determined", "x, mm", "y, mm", "z, mm"][..]),
+        (true, &["Joint", "Parent limb", "Touches", "Determined", "x, mm", "y, mm", "z, mm"][..]),
         (input.std.is_some(), &["± x, mm", "± y, mm", "± z, mm"]),
         (true, &["DOF", "axis x", "axis y", "axis z"]),
         (input.std.is_some(), &["±, °"]),
-        (errors.is_some(), &["off by, °", "off by, mm"]),
+        (errors.is_some(), &["error, °", "error, mm"]),
     ];
     let titles = titles.iter().filter(|(there, _)| *there).flat_map(|(_, titles)| titles.iter().copied());
     let std_note = input.std.map_or("", |_| {
-        " ± is one standard deviation by the learner's own account, of an axis that of each coordinate across it; a dash stands \
-         where nothing determines it."
+        " ± is one standard deviation as estimated by the learner; for an axis, that of each coordinate \
+         perpendicular to it. A dash means undetermined."
     });
     format!(
-        "{}<p class=\"note\">Positions and axes are in the frame of the limb that the joint is on. Touches are those between \
-         limbs with the joint on the path from one to the other. A position may slide along its axis unobserved: what counts is \
-         how far the axis turns off (°) and passes by (mm).{std_note}</p>\n",
+        "{}<p class=\"note\">Positions and axes are in the parent limb's frame. Touches counts those between \
+         limbs with the joint on the path between them. A position along the axis is unobservable, so errors are \
+         the angle between the true and the learned axis (°) and the distance between their lines \
+         (mm).{std_note}</p>\n",
         Table::new(titles, rows).html("joints")
     )
 }

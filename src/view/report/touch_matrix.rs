@@ -35,7 +35,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let shown: Vec<([usize; 2], usize)> =
         counts.iter().filter_map(|(&[a, b], &count)| Some(([at(a)?, at(b)?], count))).collect();
     let Some(most) = shown.iter().map(|(_, count)| *count).max() else {
-        return "<p class=\"note\">No touch between named limbs.</p>\n".into();
+        return "<p class=\"note\">No touches between named limbs.</p>\n".into();
     };
     let n = names.len();
     let shade = |count: usize| LIGHTEST + (1.0 - LIGHTEST) * (count as f64).ln_1p() / (most as f64).ln_1p();
@@ -56,10 +56,10 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let panel = Panel::new(("", names()), ("", names()), groups, [1.15 * side, side]);
     let left_out = match auras.len() - n {
         0 => String::new(),
-        _ => format!(" Of {} limbs it shows the {n} that touched most.", auras.len()),
+        _ => format!(" Shown are the {n} of {} limbs with the most touches.", auras.len()),
     };
     let caption = format!(
-        "Touches per pair of limbs: the stronger the colour, the more (logarithmic). Empty: never touched each other.{left_out}"
+        "Number of touches per pair of limbs, on a logarithmic colour scale. Empty: no touch.{left_out}"
     );
     figure("touch-matrix", &Chart::new("Touches per pair of limbs", panel), &caption)
 }

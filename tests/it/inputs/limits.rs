@@ -48,7 +48,7 @@ fn a_pipe_is_read_and_a_device_is_refused() {
     let babble = shell(path, "$B babble arms.xml --touches 30 --learner hersch --out s && mkfifo pipe");
     assert!(babble.status.success(), "{}", String::from_utf8_lossy(&babble.stderr));
     for (line, words) in [
-        ("inspect pipe", "no regular file"),
+        ("inspect pipe", "not a regular file"),
         ("learn --creature s/session.json --log /dev/zero --out c", "device"),
     ] {
         let began = Instant::now();

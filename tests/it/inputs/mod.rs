@@ -42,7 +42,7 @@ struct Counts {
     signals: usize,
 }
 
-/// What was found.
+/// Estimated quantities.
 #[derive(Default)]
 struct Findings {
     counts: BTreeMap<&'static str, Counts>,

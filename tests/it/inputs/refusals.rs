@@ -54,8 +54,8 @@ fn numbers_of_a_session_that_cannot_be_are_refused() {
     session("/skin/receptors/0/normal", json!([0, 0, 2]), "direction of length 2");
     session("/skin/receptors/0/tangent", json!([0, 0, 0]), "direction of length 0");
     session("/skin/surfaces/0/origin/2", json!(-1e308), "has a coordinate of");
-    session("/skin/surfaces/0/rotation", json!([1, 0, 0, 0, 1, 0, 0, 0, 2]), "has a rotation that is none");
-    session("/skin/surfaces/0/rotation", json!([1, 0, 0, 0, 1, 0, 0, 0, -1]), "has a rotation that is none");
+    session("/skin/surfaces/0/rotation", json!([1, 0, 0, 0, 1, 0, 0, 0, 2]), "has an invalid rotation");
+    session("/skin/surfaces/0/rotation", json!([1, 0, 0, 0, 1, 0, 0, 0, -1]), "has an invalid rotation");
     session(
         "/skin/surfaces/0/shape",
         json!({"capsule": {"radius": -0.1, "half_length": 0.2}}),
@@ -65,8 +65,8 @@ fn numbers_of_a_session_that_cannot_be_are_refused() {
     session("/creature/joints/0/dofs/0/range/1", json!(1e308), "the range of left_shoulder_a goes beyond");
     let schema = |pointer, value, words: &str| refuses(&yard, "schema", &with(pointer, value), words);
     schema("/joints/0/position/0", json!(1e308), "joint \"left_shoulder\" has a coordinate of");
-    schema("/joints/0/position_std/0", json!(-1.0), "standard deviation of -1");
-    schema("/joints/0/axes/0/axis_std", json!(1e308), "standard deviation of");
+    schema("/joints/0/position_std/0", json!(-1.0), "position_std of -1");
+    schema("/joints/0/axes/0/axis_std", json!(1e308), "axis_std of");
     let known = |pointer, value, words: &str| refuses(&yard, "known", &with(pointer, value), words);
     known("/joints/0/position/0", json!(1e308), "has a coordinate of");
     known("/joints/0/position_std", json!(1e308), "position_std");
@@ -93,9 +93,9 @@ fn tables_of_learning_with_anything_wrong_are_refused_by_line() {
         (&|good| good.replace(',', ";"), "line 2: "),
         (&|good| good.replace(',', "\t"), "line 2: "),
         (&|good| good.replacen("touches", "touch", 1), "unknown field `touch`"),
-        (&|good| format!("{good}inf\n"), "it has 1 cells in place of 9"),
-        (&|good| format!("{good}1\n"), "cells in place of"),
-        (&|good| good.replacen("converged,", "", 1), "cells in place of"),
+        (&|good| format!("{good}inf\n"), "it has 1 cells instead of 9"),
+        (&|good| format!("{good}1\n"), "cells instead of"),
+        (&|good| good.replacen("converged,", "", 1), "cells instead of"),
     ];
     for (change, words) in wrong {
         refuses(&yard, "learning table", change, words);
@@ -139,7 +139,7 @@ fn degrees_where_radians_are_meant_are_refused_or_told() {
         assert!(sentence.contains("l.csv, line") && sentence.contains(words), "{log}: {sentence}");
     };
     // Degrees in the range as well, in one row of many, and numbers that are no angle at all.
-    refused("45 -80 120", "[-170, 170]", "convert them to radians, and the range as well");
+    refused("45 -80 120", "[-170, 170]", "convert them and the range to radians");
     refused("45 -80 120", "[-1.5, 1.5]", "convert them");
     refused("0.1 0.2 57.3 0.4", "[-1.5, 1.5]", "line 4: lift is 57.3, more than a turn beyond its range");
     refused("0.1 0.2 0.3 1e9", "[-1.5, 1.5]", "lift is");
@@ -147,14 +147,14 @@ fn degrees_where_radians_are_meant_are_refused_or_told() {
         let notes = read(log, range).unwrap();
         assert!(notes.iter().any(|note| note.contains(words)), "{log}: {notes:?}");
     };
-    told("0.1 -0.2 0.3", "[-170, 170]", "goes beyond a full turn");
+    told("0.1 -0.2 0.3", "[-170, 170]", "exceeds a full turn");
     // Small degrees.
     told("5 -4 3", "[-1.5, 1.5]", "beyond its range");
     let many = format!("4 {}", ["0.1"; 40].join(" "));
     told(&many, "[-1.5, 1.5]", "lift is 4 on line 2, far beyond its range");
     assert_eq!(read("0.1 -0.2 0.3", "[-1.5, 1.5]").unwrap(), Vec::<String>::new());
     // The same of a robot's log.
-    refuses(&yard, "robot's log", &|good| good.replacen(",0.5,", ",1e9,", 1), "beyond all that can be");
+    refuses(&yard, "robot's log", &|good| good.replacen(",0.5,", ",1e9,", 1), "out of range");
     refuses(
         &yard,
         "robot's log",

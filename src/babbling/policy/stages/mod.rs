@@ -92,7 +92,7 @@ pub struct Stages {
     /// Motions in a row that told nothing, and that ended in no touch.
     caught: usize,
     untouched: usize,
-    /// Touches at random with all joints; none where the body grows.
+    /// Touches at random with all joints; `None` if the body grows.
     at_random: Option<usize>,
     over: bool,
     done: bool,

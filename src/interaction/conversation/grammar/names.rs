@@ -104,7 +104,7 @@ impl BodyNames {
     }
 
     /// The part that some words begin with, and how many words of them it is: `your left elbow`, `the tip of your nose`.
-    /// None where it is somebody else's, or no part.
+    /// `None` if it is somebody else's, or no part.
     pub(super) fn at(&self, words: &[&str]) -> Option<(PartName, usize)> {
         let skipped =
             words.iter().take_while(|word| ["your", "the", "his", "its", "that"].contains(*word)).count();

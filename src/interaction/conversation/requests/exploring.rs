@@ -13,7 +13,7 @@ const BEHIND: f64 = 0.15;
 const NO_TABLE: &str = "I lowered my hands and felt no table in front of me";
 
 pub(super) const EXPLORE: RequestKind = RequestKind::of_body(
-    ["feel about for things", "felt about for things"],
+    ["feel around for things", "felt around for things"],
     Act::Moves(|creature, request, _| {
         let hand = creature.hand_for(request.hand);
         if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
@@ -44,7 +44,7 @@ pub(super) const HOW_MANY: RequestKind = RequestKind::new(
     Act::Tells(|creature, _| {
         let not_searched = match &creature.search {
             Some(search) if search.done => creature.unsearched(),
-            _ => "; I have not searched all of the table".to_string(),
+            _ => "; I have not searched the whole table".to_string(),
         };
         Answer::tells(format!("I have felt {}{not_searched}", creature.things_in_words()))
     }),
@@ -99,10 +99,10 @@ impl Conversation {
         self.settle();
         let nothing = match self.mind.things.len() {
             0 => "nothing".to_string(),
-            1 => "nothing but the one thing".to_string(),
-            count => format!("nothing but the {count} things"),
+            1 => "only the one thing".to_string(),
+            count => format!("only the {count} things"),
         };
-        let said = format!("I felt about on the table as far as I reach and found {nothing}");
+        let said = format!("I felt around on the table as far as I can reach and found {nothing}");
         Ok(Answer::done(format!("{said}{}", self.unsearched())))
     }
 

@@ -43,7 +43,7 @@ impl Conversation {
                     Held::Stuck { receptor, .. } => self.limb_in_words(*receptor),
                     Held::Palms(_) => "hands".to_string(),
                 };
-                Ok(Answer::done(format!("I hold it already, with my {with}")))
+                Ok(Answer::done(format!("I am already holding it, with my {with}")))
             }
             (None, None) => self.lift_with_both(thing),
             (None, hand) => self.lift_with_one(thing, self.hand_for(hand), request.lean),
@@ -62,12 +62,11 @@ impl Conversation {
         match self.actor.lift(&thing.found, CORRECTIONS) {
             Ok(grip) => {
                 self.holding = Some(Held::Palms(Box::new(grip)));
-                Ok(Answer::done("I picked it up between my hands, and hold it by squeezing"))
+                Ok(Answer::done("I picked it up between my hands and am squeezing it"))
             }
             Err(trouble) => {
                 self.settle();
-                let said =
-                    "I tried to take it between my hands, and do not hold it, and it may stand elsewhere now";
+                let said = "I tried to take it between my hands but am not holding it, and it may have moved";
                 Err(self.hindered(said, trouble))
             }
         }
@@ -80,12 +79,12 @@ impl Conversation {
         match self.actor.raise(receptor, HEIGHT) {
             Ok(raised) => {
                 self.holding = Some(Held::Stuck { receptor, raised });
-                let said = format!("I picked it up with my {name}, to which it sticks");
-                Ok(Answer::done(format!("{said}, and hold it {} higher than it stood", cm(raised))))
+                let said = format!("I picked it up with my {name}, which it sticks to");
+                Ok(Answer::done(format!("{said}, and am holding it {} higher than it stood", cm(raised))))
             }
             Err(trouble) => {
                 self.actor.let_go();
-                Err(self.hindered(&format!("I touch it with my {name}, but cannot raise it"), trouble))
+                Err(self.hindered(&format!("I am touching it with my {name}, but cannot raise it"), trouble))
             }
         }
     }
@@ -106,7 +105,7 @@ impl Conversation {
             (None, stick) => {
                 self.actor.let_go();
                 let but = if stick { " but the stick" } else { "" };
-                let back = if touching { ", and took my hand back from what I touched" } else { "" };
+                let back = if touching { ", and withdrew my hand from what I touched" } else { "" };
                 format!("I hold nothing{but}{back}")
             }
         };

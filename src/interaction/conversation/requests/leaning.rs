@@ -85,7 +85,7 @@ impl Conversation {
         match (request.again, request.about, self.last.clone()) {
             (true, _, Some(last)) => return self.again(last, &leaning, leave),
             (true, _, None) => {
-                return Ok(Answer::failed("There is nothing yet that I could try again leaning"));
+                return Ok(Answer::failed("There is nothing yet to try again while leaning"));
             }
             (false, Some(intent), _) => {
                 return self.again(Request { intent, about: None, ..leaning }, request, leave);
@@ -95,9 +95,9 @@ impl Conversation {
         self.let_be();
         match self.actor.lean_forward() {
             Ok(far) if far > 0.005 => {
-                Ok(Answer::done(format!("I lean forward: my shoulders came {} farther", cm(far))))
+                Ok(Answer::done(format!("I am leaning forward: my shoulders moved {} farther", cm(far))))
             }
-            Ok(_) => Ok(Answer::done("I lean forward already as far as I can")),
+            Ok(_) => Ok(Answer::done("I am already leaning forward as far as I can")),
             Err(Trouble::Reach(_)) => {
                 Ok(Answer::failed("I cannot lean forward: something would be in the way"))
             }

@@ -150,7 +150,7 @@ impl Conversation {
 
     fn where_own(&self, request: &Request) -> Answer {
         let Some(part) = &request.part else {
-            return Answer::tells("I do not know which part of me you mean");
+            return Answer::tells("I do not know which part of my body you mean");
         };
         let frames = self.actor.frames();
         let told = |part: &BodyPart| format!("my {} is {}", part.name, self.place_of_own(&part.at(&frames)));
@@ -194,7 +194,7 @@ impl Conversation {
             }
         }
         match told.is_empty() {
-            true => Err(Answer::tells("That is one and the same part of me")),
+            true => Err(Answer::tells("Those are the same part of me")),
             false => Ok(sentence(&told.join("; "))),
         }
     }
@@ -213,7 +213,10 @@ impl Conversation {
             (false, _) => told.join("; "),
             (true, Some(known)) => {
                 let limb = self.limb_in_words(known.found.receptor);
-                format!("I do not feel it now; I felt it with my {limb}, and it is {}", self.place(&known.at))
+                format!(
+                    "I do not feel it now; I last felt it with my {limb}, and it is {}",
+                    self.place(&known.at)
+                )
             }
             (true, None) => "I do not feel anything".into(),
         }

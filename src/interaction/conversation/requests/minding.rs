@@ -7,7 +7,7 @@ pub(super) const DONT: RequestKind = RequestKind::new(
     ["", ""],
     Act::Minds(|mind, _, request| {
         let Some(intent) = request.about else {
-            return Answer::done("All right, I do not do that");
+            return Answer::done("All right, I will not do that");
         };
         mind.forbid(intent, request.part.clone());
         Answer::done(format!("All right, I will not {}", doing(intent, request.part.as_ref())[0]))
@@ -19,7 +19,7 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind::new(
     ["keep still", "kept still"],
     Act::Minds(|mind, _, _| {
         mind.still = true;
-        Answer::done("I keep still until you ask me to do something")
+        Answer::done("I will keep still until you ask me to do something")
     }),
     "told: ^ KEEP|LOOK ?BODY|yourself|THING ?all ?as STILL; ^ KEEP ?right where|there|as|like ?you|THING; STOP|KEEP \
      ?right where|there; ^ freeze; ^ stay|still $; ^ stay|remain|keep|hold ?in your|that|this|the|same \
@@ -34,7 +34,7 @@ pub(super) const STOP: RequestKind = RequestKind::new(
     ["stop", "stopped"],
     Act::Minds(|mind, _, _| {
         mind.still = true;
-        Answer::done("I have stopped, and stay as I am")
+        Answer::done("I have stopped and will stay as I am")
     }),
     "said: enough; ^ STOP|whoa|woah|wait|pause|abort|cancel|halt; never mind; ^ hang on; ^ give up $; ^ END \
      THING|that $; told: THING|that|ok will DO; ^ STOP|quit ?DOING ?what|whatever|THING|everything|ALL $; ^ \
@@ -45,10 +45,10 @@ pub(super) const STOP: RequestKind = RequestKind::new(
 pub(super) const FORGET: RequestKind = RequestKind::new(
     ["forget it", "forgot it"],
     Act::Minds(|mind, actor, request| match mind.find(actor, request.which).or(mind.things.it()).cloned() {
-        _ if mind.things.is_empty() => Answer::done("There is nothing that I have felt and could forget"),
+        _ if mind.things.is_empty() => Answer::done("I have not felt anything that I could forget"),
         _ if request.all => {
             mind.things.forget_all();
-            Answer::done("I have forgotten all that I felt of things")
+            Answer::done("I have forgotten all the things that I felt")
         }
         Some(known) => {
             mind.things.forget(known.id);

@@ -34,7 +34,7 @@ pub(super) const TOUCH_OWN: RequestKind = RequestKind::of_body(
 );
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
-    ["feel myself over", "felt myself over"],
+    ["explore my body", "explored my body"],
     Act::Moves(|creature, _, _| creature.feel_over()),
     "told: FEEL|TOUCH|pat ?your ?whole|entire yourself|body ?ALL ?over|everywhere|AGAIN|AROUND; FEEL|TOUCH|pat \
      yourself|BODY ALL|over|everywhere|anew|AROUND; FEEL|TOUCH|pat ALL over ?your yourself|body|BODY; CALIBRATE; \
@@ -118,7 +118,7 @@ impl Conversation {
         self.settle();
         match trouble {
             Some((name, trouble)) => Err(self.hindered(&format!("I cannot touch my {name}"), trouble)),
-            None => Ok(Answer::failed(format!("I have no skin at my {} that could be touched", part.text()))),
+            None => Ok(Answer::failed(format!("I have no skin to touch at my {}", part.text()))),
         }
     }
 
@@ -127,7 +127,7 @@ impl Conversation {
         self.let_be();
         self.settle();
         let found = self.actor.feel_over();
-        let found = found.map_err(|trouble| self.hindered("I could not touch myself all over", trouble))?;
+        let found = found.map_err(|trouble| self.hindered("I could not explore my whole body", trouble))?;
         // What he touched himself with was meant.
         self.actor.take_unexpected();
         if matches!(found, FeltOver::Changed { .. }) {
@@ -139,27 +139,30 @@ impl Conversation {
         self.settle();
         Ok(match found {
             FeltOver::Same { touches } => {
-                Answer::done(format!("I touched myself {touches} times: my body is as I know it"))
+                Answer::done(format!("{touches} self-touches: my body is as I know it"))
             }
             FeltOver::Changed { touches, joints } => {
                 let names = self.actor.own.creature().joints();
                 let told = joints.iter().map(|(joint, distance)| {
                     let name = in_words(&names[*joint].name);
-                    format!("my {name} is {:.1} cm from where I had it", 100.0 * distance)
+                    format!("my {name} is {:.1} cm from where I thought", 100.0 * distance)
                 });
                 let told = told.collect::<Vec<_>>().join("; ");
                 Answer::done(format!(
-                    "I touched myself {touches} times, and my body has changed: {told}. I act by what I know of it now, and have to feel anew where the table is and what stands on it"
+                    "{touches} self-touches show that my body has changed: {told}. From now on I use what I \
+                     learned, and have to feel again where the table and its things are"
                 ))
             }
             FeltOver::Unexplained { touches } => Answer::failed(format!(
-                "I touched myself {touches} times: my body is not as I know it, and I did not find out how it has changed. I keep from acting by what I know of it"
+                "{touches} self-touches show that my body is not as I know it, but not how it has changed. I will \
+                 not act until I know it again"
             )),
             FeltOver::TooFew { touches: 0 } => Answer::failed(
-                "I know nothing of how sure I am of my body, so I cannot tell whether it has changed: I should babble anew",
+                "I do not know how accurate my body schema is, so I cannot tell whether my body has changed: I \
+                 should babble again",
             ),
             FeltOver::TooFew { touches } => Answer::failed(format!(
-                "I touched myself only {touches} times, which does not tell whether my body has changed"
+                "{touches} self-touches are too few to tell whether my body has changed"
             )),
         })
     }
@@ -171,9 +174,10 @@ impl Conversation {
             return;
         }
         let [a, b] = receptors.map(|receptor| self.limb_in_words(receptor));
-        let how = if off > 0.0 { "apart" } else { "in each other" };
+        let how = if off > 0.0 { "apart" } else { "inside each other" };
         reply.said += &format!(
-            " My {a} and my {b} touched where I had them {} {how}: my body may have changed. Shall I feel myself over?",
+            " My {a} and my {b} touched, although I expected them {} {how}: my body may have changed. Shall I \
+             explore my body?",
             cm(off.abs().max(0.01))
         );
         reply.asks = true;
@@ -196,8 +200,8 @@ impl Conversation {
         let moved = distance(&self.actor.posture(), &before) > MOVED;
         let from = if touched { "I took my arm away from it, and watched" } else { "I watched" };
         let said = match (moved, met) {
-            (true, false) => "I got out of the way of what came, and it did not touch me".to_string(),
-            (true, true) => "I moved out of the way of what came, but it touched me".to_string(),
+            (true, false) => "I got out of the way, and it did not touch me".to_string(),
+            (true, true) => "I moved out of the way, but it touched me".to_string(),
             (false, _) => {
                 let felt = if met { "; I feel a touch, but" } else { ":" };
                 format!("{from} for {WATCHING:.0} seconds{felt} nothing came at me")

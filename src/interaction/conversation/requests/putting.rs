@@ -59,7 +59,7 @@ pub(super) const PUT_ASIDE: RequestKind = RequestKind::of_body(
     ["move it to the side", "moved it to the side"],
     Act::Handles(|creature, thing, request| match request.aside {
         Some(aside) => creature.put(Goal::Aside(aside), thing, request),
-        None => Ok(Answer::failed("I do not know to which side I am to move it")),
+        None => Ok(Answer::failed("I do not know to which side I should move it")),
     }),
     "told: VERB .. SIDE; PUSH|PUT & THING|SOME & SIDE",
 );
@@ -85,7 +85,7 @@ impl Conversation {
         let point = self.actor.feels_at(receptor).0;
         let Some(spot) = self.spot_for(goal, receptor, lean) else {
             self.actor.let_go();
-            return Ok(Answer::failed("I find no place for it that I reach"));
+            return Ok(Answer::failed("I find no place for it within my reach"));
         };
         let stands = self.actor.put(receptor, &spot, lean).map_err(|trouble| {
             self.actor.let_go();

@@ -75,11 +75,11 @@ impl Conversation {
         }
         let felt = felt?;
         if felt.touches < FEW {
-            return Ok(Answer::failed("I could touch it at few places only, so I do not know its shape"));
+            return Ok(Answer::failed("I could touch it only in a few places, so I do not know its shape"));
         }
         if felt.shape.unexplained > FITS {
             return Ok(Answer::failed(
-                "What I felt does not fit together: it may have moved, so I do not know its shape",
+                "What I felt is inconsistent: it may have moved, so I do not know its shape",
             ));
         }
         let (front, left, up) = (self.actor.front, self.actor.left(), self.actor.up);
@@ -110,10 +110,11 @@ impl Conversation {
                 let apart = places.iter().flat_map(|a| places.iter().map(move |b| (a - b).norm()));
                 match places.len() {
                     0 | 1 => format!(
-                        "I have felt it at one place only, so I cannot tell {what}: ask me to feel its shape"
+                        "I have felt it in only one place, so I do not know {what}: ask me to feel its shape"
                     ),
                     n => format!(
-                        "I have felt it at {n} places, at most {} apart: so wide it is at least, more I do not know of {what}",
+                        "I have felt it in {n} places, at most {} apart: it is at least that wide, and I know no \
+                         more of {what}",
                         cm(apart.fold(0.0, f64::max))
                     ),
                 }
@@ -130,7 +131,8 @@ fn said_of(shape: &KnownShape) -> String {
     };
     let [height, length, breadth] = [&shape.size.height, &shape.size.length, &shape.size.breadth].map(told);
     let mut said = format!(
-        "I have touched it {} times: it is {height} high, {length} long and {breadth} wide; what kind of thing it is I am not sure",
+        "I have touched it {} times: it is {height} high, {length} long and {breadth} wide; I am not sure what \
+         kind of thing it is",
         shape.touches,
     );
     if !shape.unfelt.is_empty() {

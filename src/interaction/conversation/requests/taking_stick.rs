@@ -50,18 +50,18 @@ impl Conversation {
         tried(self.actor.hold_out(hand))?;
         if !self.actor.take_stick(hand)? {
             self.settle();
-            return Ok(Answer::failed(format!("I held out my {name}, and was given no stick")));
+            return Ok(Answer::failed(format!("I held out my {name}, but was not given a stick")));
         }
         let Some(known) = tried(self.actor.learn_stick())?.flatten() else {
             self.actor.give_stick_back()?;
             self.settle();
             return Ok(Answer::failed(
-                "I touched myself with the stick and could not tell where its tip is: I gave it back",
+                "I touched my body with the stick but could not tell where its tip is, so I gave it back",
             ));
         };
         self.stick_changed();
         Ok(Answer::done(format!(
-            "I hold the stick with my {name}, and touched myself {} times with it, {} times with its tip: {}",
+            "I am holding the stick with my {name}, and touched my body with it {} times, {} of them with its tip: {}",
             known.touches,
             known.by_tip,
             tip_in_words(&known)
@@ -99,7 +99,7 @@ impl Conversation {
         format!("I hold the stick with my {}: {known}", self.hand_name(stick.hand))
     }
 
-    /// Why something cannot be done with a stick in a hand; none where it can.
+    /// Why something cannot be done with a stick in a hand; `None` if it can.
     pub(in super::super) fn barred_by_stick(&self, request: &Request) -> Option<String> {
         use Intent::{BringNear, Explore, FeelOver, FeelShape, Lift, PutAside, PutFar, Touch};
         let stick = self.actor.stick()?;
@@ -111,12 +111,12 @@ impl Conversation {
             _ => false,
         };
         let name = self.hand_name(stick.hand);
-        barred.then(|| format!("The stick in my {name} is in the way of that: tell me to give it back first"))
+        barred.then(|| format!("The stick in my {name} is in the way: tell me to give it back first"))
     }
 }
 
 /// Where the tip is.
 fn tip_in_words(known: &KnownStick) -> String {
     let within = 0.1 * (1e4 * known.within).ceil();
-    format!("its tip is {} from where I hold it, which I know to {within:.1} mm", cm(known.length()))
+    format!("its tip is {} from where I hold it, known to {within:.1} mm", cm(known.length()))
 }

@@ -7,10 +7,10 @@ use super::super::speaking::sentence;
 use super::{Act, Answer, Intent, Reply, RequestKind, doing};
 
 /// What it can do, as it says it.
-const ABILITIES: &str = "I can feel about for things (\"is there something in front of you?\"), touch what I felt with either \
+const ABILITIES: &str = "I can feel around for things (\"is there something in front of you?\"), touch what I felt with either \
 hand, feel its shape, pick it up, put it as far away as possible, bring it near, let go; take a \
 stick and touch with it; touch my own body (\"touch your nose\"); \
-tell where a thing or a part of me is, how far, how many, how big, and whether I reach it; lean forward and back; get out of the \
+say where a thing or a part of me is, how far, how many, how big, and whether I reach it; lean forward and back; get out of the \
 way of what comes; tell what I did; forget, do it again, rest, keep still. \"Quit\" ends our talk";
 /// How many of the last things that it did are told.
 const LAST: usize = 4;
@@ -41,7 +41,7 @@ pub(super) const YES: RequestKind = RequestKind::new(
 
 pub(super) const NO: RequestKind = RequestKind::new(
     ["", ""],
-    Act::Tells(|_, _| Answer::tells("All right, I do nothing")),
+    Act::Tells(|_, _| Answer::tells("All right, I will do nothing")),
     "said: i disagree; not what i mean|want; change|changed my mind; ^ NO; ^ wrong|incorrect|false; ^ not \
      really|quite|THING|yet|now|so|right|correct|true|me|at|in; ^ that|THING be not|wrong|false|incorrect; ^ i do \
      not think|want|believe; ^ rather|better not; ^ never|not $; ^ i would rather not; ^ let us not; ^ no \
@@ -64,7 +64,7 @@ pub(super) const WHO: RequestKind = RequestKind::new(
     Act::Tells(|creature, _| {
         let name = sentence(creature.actor.own.creature().name());
         Answer::tells(format!(
-            "I am {name}. I am blindfolded: I know my body from touching myself, and what is about me from what I feel"
+            "I am {name}. I am blindfolded: I know my body from self-touch, and my surroundings from what I feel"
         ))
     }),
     "asked: who HELPING|be you; who you be; who|what ?you|exactly be you; who|whom do|be|have i|we \
@@ -104,7 +104,7 @@ impl Conversation {
         Answer::tells(match (self.mind.find(&self.actor, request.which), things.it()) {
             (Some(known), _) => format!("You mean the one {}", self.place(&known.at)),
             (None, Some(known)) if things.len() == 1 => {
-                format!("I know of one thing only, {}", self.place(&known.at))
+                format!("I know of only one thing, {}", self.place(&known.at))
             }
             _ if things.is_empty() => "I have not felt anything yet, so I do not know which you mean".into(),
             _ => format!("I do not know which one you mean. {}", self.question()),
@@ -124,7 +124,7 @@ impl Conversation {
         let last: Vec<&str> = deeds.iter().rev().take(LAST).rev().map(|deed| deed.words.as_str()).collect();
         Answer::tells(match (request.about.filter(|_| !request.open), last.as_slice()) {
             (None, []) if self.mind.deeds.is_empty() => "I have not done anything yet".to_string(),
-            (None, []) => "I have done nothing of that kind".to_string(),
+            (None, []) => "I have not done anything of that kind".to_string(),
             (None, told) => format!("I {}", told.join("; then I ")),
             (Some(about), []) => format!("No, I did not {}", doing(about, None)[0]),
             (Some(_), [.., latest]) => match deeds.iter().rev().find(|deed| deed.done) {

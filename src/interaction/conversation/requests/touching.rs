@@ -54,10 +54,10 @@ impl Conversation {
                 Ok(Answer::done("I touch it with the stick"))
             }
             Err(Trouble::Nothing) => {
-                Err(Trouble::Told("I felt about for it with the stick, and felt nothing".into()))
+                Err(Trouble::Told("I felt around for it with the stick and felt nothing".into()))
             }
             Err(Trouble::Reach(OutOfReach::TooFar(by))) => {
-                Err(Trouble::Told(format!("It is {} too far for the stick", cm(by.max(0.01)))))
+                Err(Trouble::Told(format!("It is {} beyond the reach of the stick", cm(by.max(0.01)))))
             }
             Err(trouble) => Err(self.hindered("I cannot touch it with the stick", trouble)),
         }
@@ -85,7 +85,7 @@ impl Conversation {
             Ok(touching) => {
                 self.mind.things.felt_again(thing.id, &touching.found);
                 let felt_about =
-                    if touching.corrections > 0 { "had to feel about for it, and now " } else { "" };
+                    if touching.corrections > 0 { "had to feel around for it, and now " } else { "" };
                 Ok(Answer::done(format!("I {felt_about}touch it with my {name}")))
             }
             // It felt about near there, too: what it remembers is no longer so.
@@ -93,7 +93,9 @@ impl Conversation {
                 self.mind.things.forget(thing.id);
                 self.search = None;
                 let place = self.place(&thing.at);
-                Err(Trouble::Told(format!("I felt about for it with my {name}, and it is no longer {place}")))
+                Err(Trouble::Told(format!(
+                    "I felt around for it with my {name}, and it is no longer {place}"
+                )))
             }
             Err(trouble) => {
                 let too_far = matches!(trouble, Trouble::Reach(OutOfReach::TooFar(_))) && !lean;

@@ -1,4 +1,4 @@
-//! Which touches are of one thing: told by places alone, and by where between them nothing is.
+//! Clusters of touches that belong to one thing, from their positions and the free space between them.
 
 use nalgebra::Vector3;
 

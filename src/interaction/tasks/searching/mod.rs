@@ -38,7 +38,7 @@ impl Actor {
         Some(TablePlane { up: self.up, front: self.front, height, edge: self.trunk_front(height) })
     }
 
-    /// A search of the table; none where it is not known.
+    /// A search of the table; `None` if it is not known.
     pub fn begin_search(&mut self) -> Option<Search> {
         let plane = self.table_plane()?;
         let fits = |plan: &&SearchPlan| {
@@ -51,7 +51,7 @@ impl Actor {
         self.reach.clone().map(Search::new)
     }
 
-    /// Touches anew what was felt in a search, from where the hand has drawn back to: what is felt then; none where it is gone.
+    /// Touches anew what was felt in a search, from where the hand has drawn back to: what is felt then; `None` if it is gone.
     ///
     /// # Errors
     /// Where the engine fails.
@@ -60,7 +60,7 @@ impl Actor {
         Ok(contacts.iter().find_map(|contact| self.found(contact)))
     }
 
-    /// Goes on with a search until something is felt; none where all was searched.
+    /// Goes on with a search until something is felt; `None` if all was searched.
     ///
     /// # Errors
     /// Where the engine fails.

@@ -148,7 +148,7 @@ impl Places<'_> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The posture with a sole at a place of the table, so high over it; none where there is none that keeps clear.
+    /// The posture with a sole at a place of the table, so high over it; `None` if there is none that keeps clear.
     fn low(&self, sole: Place, [forward, left]: [f64; 2], height: f64, start: &[f64]) -> Option<Stop> {
         let mut above = height;
         let mut posture = Posture::from(start);
@@ -211,7 +211,7 @@ impl Places<'_> {
 }
 
 impl Actor {
-    /// Where its hands can feel a table that is known, from ready postures on; none where none is known.
+    /// Where its hands can feel a table that is known, from ready postures on; `None` if none is known.
     pub(super) fn search_plan(&mut self) -> Option<SearchPlan> {
         let plane = self.table_plane()?;
         let mut map = SearchedMap::new(plane);

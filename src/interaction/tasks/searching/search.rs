@@ -1,4 +1,4 @@
-//! A search of a table as far as it got: what has been searched, what was felt, and where it goes next.
+//! The state of a table search: what has been searched, what was felt, and where to go next.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -79,7 +79,7 @@ pub struct Search {
     sure: Option<(usize, BTreeMap<usize, u8>)>,
     /// Whether there is nothing left to search.
     pub done: bool,
-    /// The hand that alone is to search; none where both do.
+    /// The hand that alone is to search; `None` if both do.
     pub only: Option<usize>,
 }
 
@@ -146,7 +146,7 @@ impl Search {
         places
     }
 
-    /// How many cells a place would search that have not been, and that are not at what was felt; none where the hand would
+    /// How many cells a place would search that have not been, and that are not at what was felt; `None` if the hand would
     /// come down on that.
     fn gain(&self, stop: &Stop) -> usize {
         if stop.under.iter().any(|&(cell, above)| self.tops[cell] > above + BENEATH) {
@@ -290,7 +290,7 @@ impl Search {
         alone.len() >= LANE_WORTH
     }
 
-    /// The place to go to next; none where all is searched that can be.
+    /// The place to go to next; `None` if all is searched that can be.
     pub(super) fn following(&mut self) -> Option<[usize; 2]> {
         while !self.again {
             let [lane, k] = self.next;

@@ -33,18 +33,19 @@ pub(super) fn by_pair(found: &Calibration) -> String {
         boxes.extend(values.into_iter().flat_map(|values| box_marks(k, &about, values)));
         crosses.extend(wrong.iter().map(|touch| {
             let (line, apart) = (found.touches[touch.touch].line, millimetres(touch));
-            let says = format!("line {line}: {a} and {b} are {} mm apart, taken to be false", number(apart));
+            let says =
+                format!("line {line}: {a} and {b} are {} mm apart (classified as false)", number(apart));
             ChartMark::Dot { at: [apart, k as f64], radius: 3.0, cross: true, says }
         }));
         names.push(format!("{a}, {b}"));
     }
     if names.is_empty() {
-        return "<p class=\"note\">There is no touch to look at.</p>\n".into();
+        return "<p class=\"note\">No touches.</p>\n".into();
     }
-    let over = (!crosses.is_empty()).then(|| ChartGroup::new("taken to be false", Ink::Orange, crosses));
+    let over = (!crosses.is_empty()).then(|| ChartGroup::new("classified as false", Ink::Orange, crosses));
     let panel = rows("apart, mm", names, boxes, over.into_iter().collect());
     let mut caption = String::from(
-        "Per pair of links, most touches first: the middle half in the box, all within the whiskers.",
+        "Per pair of links, most touches first. Boxes show the middle half, whiskers the range.",
     );
     if left_out > 0 {
         caption += &format!(" {left_out} more pairs are not drawn.");

@@ -1,4 +1,4 @@
-//! A calibration as one page to read: what was found, how sure it is, and what is left of the touches.
+//! A calibration as a report page: estimated quantities, their uncertainty, and the residuals.
 
 mod charts;
 pub(crate) mod tables;
@@ -14,8 +14,7 @@ use crate::view::table::Table;
 use crate::view::text::{error_number, escape};
 
 /// What every calibration is right for.
-pub const REACH: &str = "It is right for what was touched: elsewhere offsets from self-touch alone may be worse than the maker's, \
-     and priors (--prior) keep them near.";
+pub const REACH: &str = "Valid for the contacts in this log: elsewhere, offsets from self-touch alone can be worse than the nominal ones. Priors (--prior) keep them close.";
 
 /// Correlations from which on two parameters are named.
 pub(crate) const CORRELATED: f64 = 0.95;
@@ -25,9 +24,9 @@ type Section = (&'static str, fn(&Calibration) -> String);
 
 /// The sections of the page, below what was done.
 const SECTIONS: &[Section] = &[
-    ("How far apart what touched is put", misses),
-    ("What was found", quantities),
-    ("What cannot be told apart", untold),
+    ("Contact residuals", misses),
+    ("Estimated quantities", quantities),
+    ("Confounded and unobservable quantities", untold),
     ("Residuals by pair of links", charts::by_pair),
     ("Correlations", correlations),
 ];
@@ -35,15 +34,15 @@ const SECTIONS: &[Section] = &[
 /// The whole page; `kind` is what the robot's file is.
 pub fn html(found: &Calibration, kind: &str) -> String {
     let sections = SECTIONS.iter().map(|(title, content)| (*title, content(found)));
-    let sections = super::in_sections([("What was done", facts(found, kind))].into_iter().chain(sections));
+    let sections = super::in_sections([("Settings", facts(found, kind))].into_iter().chain(sections));
     let content = format!(
-        "<header>\n<h1>{}</h1>\n<p>A robot calibrated by its own touches</p>\n</header>\n\
+        "<header>\n<h1>{}</h1>\n<p>A robot calibrated from logged contacts</p>\n</header>\n\
          <p class=\"verdict{}\">{}</p>\n<p class=\"note\">{REACH}</p>\n{sections}",
         escape(&found.robot.name),
         if found.is_calibrated() { "" } else { " open" },
         escape(&found.verdict()),
     );
-    page(&format!("{}: calibrated by its own touches", found.robot.name), "", &content, "")
+    page(&format!("{}: calibration from logged contacts", found.robot.name), "", &content, "")
 }
 
 /// All as one JSON object, in metres and radians.
@@ -83,12 +82,12 @@ fn facts(found: &Calibration, kind: &str) -> String {
     let mut facts = vec![
         ("robot", format!("{kind}, {} degrees of freedom", found.robot.dofs.len())),
         ("touches", found.touches.len().to_string()),
-        ("unknown numbers", found.estimator.unknowns.len().to_string()),
-        ("noise of touch, mm", millimetres.join(", ")),
-        ("touches taken to be false", format!("{:.1} %", 100.0 * noise.false_share)),
+        ("estimated parameters", found.estimator.unknowns.len().to_string()),
+        ("contact noise, mm", millimetres.join(", ")),
+        ("touches classified as false", format!("{:.1} %", 100.0 * noise.false_share)),
     ];
     if noise.joint > 0.0 {
-        facts.push(("noise of encoders, °", error_number(noise.joint.to_degrees())));
+        facts.push(("encoder noise, °", error_number(noise.joint.to_degrees())));
     }
     let facts: Vec<(String, String)> =
         facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
@@ -98,27 +97,25 @@ fn facts(found: &Calibration, kind: &str) -> String {
 fn misses(found: &Calibration) -> String {
     let held_out = match found.held_out() {
         Some(sentence) => format!(
-            "<p>{}</p>\n<p class=\"note\">What was held out was not fitted to: it tells how far apart fresh touches will be \
-             put. 95 % are no farther apart than the column says.</p>\n",
+            "<p>{}</p>\n<p class=\"note\">Held-out touches were not used in the fit; their residuals show what to \
+             expect for new touches. 95 % of the residuals are at most the value in the 95 % column.</p>\n",
             escape(&sentence)
         ),
-        None => "<p class=\"note\">95 % are no farther apart than the column says. How far apart fresh touches will be put \
-                 is told by some that are not fitted to: <code>--held-out 0.3 --splits 10</code>.</p>\n"
+        None => "<p class=\"note\">95 % of the residuals are at most the value in the 95 % column. To see what to expect for new touches, hold some out: <code>--held-out 0.3 --splits 10</code>.</p>\n"
             .into(),
     };
     tables::misses(found).html("errors") + &held_out
 }
 
 fn quantities(found: &Calibration) -> String {
-    let note = "<p class=\"note\">± is one standard deviation of each number; a dash stands where these touches do not tell \
-                it. Positions are x y z, axes unit vectors, orientations rotation vectors.</p>\n";
+    let note = "<p class=\"note\">± is one standard deviation; a dash marks values that these touches do not determine. Positions are x y z, axes unit vectors, orientations rotation vectors.</p>\n";
     tables::quantities(found).html("errors") + note
 }
 
 fn untold(found: &Calibration) -> String {
     let item = |sentence: &String| format!("<li>{}</li>\n", escape(sentence));
     match found.untold().as_slice() {
-        [] => "<p>The touches tell all that was to be found.</p>\n".into(),
+        [] => "<p>The touches determine every estimated quantity.</p>\n".into(),
         sentences => format!("<ul>\n{}</ul>\n", sentences.iter().map(item).collect::<String>()),
     }
 }
@@ -130,9 +127,8 @@ fn correlations(found: &Calibration) -> String {
     let rows = all.map(|(one, other, correlation)| [one, other, format!("{correlation:.3}")]);
     let table = Table::new(["One", "Other", "Correlation"], rows);
     if table.is_empty() {
-        return "<p>There are no two numbers to be known together.</p>\n".into();
+        return "<p>Fewer than two quantities were estimated.</p>\n".into();
     }
-    let note = "<p class=\"note\">The pairs that are most alike: near 1 or −1 the touches tell little but the sum of the two, \
-                or the difference; other postures would tell each. <code>correlations.csv</code> has all pairs.</p>\n";
+    let note = "<p class=\"note\">The most strongly correlated pairs. Near 1 or −1, the touches determine little more than the difference or the sum of the two; other postures would separate them. <code>correlations.csv</code> lists all pairs.</p>\n";
     table.html("errors") + note
 }

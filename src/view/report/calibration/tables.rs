@@ -8,19 +8,16 @@ use crate::session::{joint_cells, joint_titles, name_of};
 use crate::view::table::{NONE, Table};
 use crate::view::text::error_number;
 
-/// How far apart what touched is put, before and after, millimetres.
+/// Contact residuals, before and after, millimetres.
 pub fn misses(found: &Calibration) -> Table {
     let row = |(name, misses): (String, crate::calibration::Misses)| {
         let numbers = [misses.rms, misses.median, misses.p95, misses.max];
         std::iter::once(name).chain(numbers.map(|metres| error_number(1e3 * metres)))
     };
-    Table::new(
-        ["What touched, apart, mm", "RMS", "Median", "95 %", "Max"],
-        found.misses().into_iter().map(row),
-    )
+    Table::new(["contact residual, mm", "RMS", "Median", "95 %", "Max"], found.misses().into_iter().map(row))
 }
 
-/// What was found, quantity by quantity, in units for readers.
+/// Estimated quantities, quantity by quantity, in units for readers.
 pub fn quantities(found: &Calibration) -> Table {
     let row = |q: usize| {
         let (quantity, after) = (&found.robot.quantities[q], &found.fit.values[q]);
@@ -51,7 +48,7 @@ fn rotation_vector(rotation: &nalgebra::Matrix3<f64>) -> Vector3<f64> {
     Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
 }
 
-/// What was found, a row for each number, in metres and radians.
+/// Estimated quantities, a row for each number, in metres and radians.
 pub fn numbers(found: &Calibration) -> Table {
     let numbers = |value: &Value| match value {
         Value::Position(v) | Value::Direction(v) => v.iter().copied().collect(),
