@@ -137,7 +137,7 @@ pub(super) fn find(actor: &Actor, part: &PartName, touching: Option<usize>) -> R
     let mut words: Vec<String> = part.words.clone();
     if words.first().is_some_and(|word| word == "other") {
         let left = usize::from(actor.side(0) < 0.0);
-        let which = "I do not know which is the other one: name the left or the right";
+        let which = "I do not know which is the other one: say left or right";
         let other = 1 - touching.ok_or(which)?;
         words[0] = if other == left { "left" } else { "right" }.into();
     }
@@ -148,7 +148,7 @@ pub(super) fn find(actor: &Actor, part: &PartName, touching: Option<usize>) -> R
         .by_own_name(&name, words, tip)
         .or_else(|| body.by_everyday_name(words, tip))
         .or_else(|| body.by_part_of_name(name, words, tip));
-    found.filter(|found| !found.is_empty()).ok_or(format!("I know of no {} of mine", part.text()))
+    found.filter(|found| !found.is_empty()).ok_or(format!("I know of no {} on my body", part.text()))
 }
 
 /// A body in the rest posture, in which skin is told apart by where it lies.

@@ -144,7 +144,7 @@ impl<'a> UrdfTree<'a> {
                 );
             }
             if joints.iter().any(|other| other.child == joint.child) {
-                let message = format!("link {} is carried by two joints; remove one of them", joint.child);
+                let message = format!("link {} has two parent joints; remove one of them", joint.child);
                 return Err(source.refused(element, message));
             }
             joints.push(joint);

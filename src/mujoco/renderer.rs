@@ -271,7 +271,7 @@ impl Buffers {
         // It warns of what it does without, and pictures are drawn all the same.
         engine::take_warning();
         if raw.currentBuffer != ffi::mjFB_OFFSCREEN as i32 {
-            let message = "it has no buffer to draw on off-screen".to_string();
+            let message = "it has no off-screen buffer".to_string();
             return Err(Error::Engine { call: "mjr_makeContext", message });
         }
         Ok(buffers)

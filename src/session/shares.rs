@@ -282,7 +282,8 @@ fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64
     let mut touches = read_touches(&path, agent)?.touches.into_iter().peekable();
     let lost = |lost: String| {
         let reason = format!(
-            "lines were added or lost {lost}, for its bouts have other touches: remove {} and make share {share} again",
+            "lines were added or lost {lost}: its bouts have different touches; remove {} and make share {share} \
+             again",
             folder.display()
         );
         Error::unfit(&path, reason)

@@ -70,7 +70,7 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
 
 fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {
     let log = args.what.join(TOUCHES_FILE);
-    let mend = if count == 0 { "babble some first".into() } else { format!("give one from 1 to {count}") };
+    let mend = if count == 0 { "babble first".into() } else { format!("give one from 1 to {count}") };
     Failure(format!("{}: it has no touch {number}: {mend}", log.display()))
 }
 

@@ -31,8 +31,8 @@ pub(super) const STUDY: Study = Study {
         Column::new("objections", &[]),
     ],
     notes: &[
-        "Without a fault, with rows that are copied, and with one touch in ten of another place, calibrated is right; with \
-              any other fault it is not. named: whether an objection names the faulty joint, mount or convention. after_mm: the \
+        "Calibrated is the right verdict without a fault, with duplicated rows, and with one touch in ten replaced; with \
+              any other fault it is wrong. named: whether an objection names the faulty joint, mount or convention. after_mm: the \
               contact residual after calibration, RMS; deviations: how many of its own deviations the worst offset is off.",
     ],
     run,

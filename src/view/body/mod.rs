@@ -19,7 +19,7 @@ use mesh::Topology;
 pub(super) use pose::Pose;
 pub(super) use senses::{AURAS, MAP};
 
-use super::text::{error_number, escape, harmless};
+use super::text::{escape, harmless};
 use crate::agent::Agent;
 use crate::creature::Appearance;
 use crate::schema::BodySchema;
@@ -327,9 +327,8 @@ impl BodyScene {
         let slider = match self.steps.as_slice() {
             [] | [_] => String::new(),
             [.., last] => {
-                let off = last.millimetres.map_or(String::new(), |off| {
-                    format!("<output class=\"off\">{} mm</output>", escape(&error_number(off)))
-                });
+                // Empty until a step is shown: the last one's error stands above.
+                let off = last.millimetres.map_or("", |_| "<output class=\"off\"></output>");
                 format!(
                     "<div class=\"player\"><button type=\"button\" class=\"play\">▶ play learning</button>{off}</div>\n\
                      <label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \

@@ -84,7 +84,7 @@
     element("doing").textContent = `${state.doing}: ${state.touches} of ${state.wanted} touches${rate}${learned}`;
     if (state.report) {
       const link = Object.assign(document.createElement("a"), { href: "report", textContent: "the report" });
-      element("doing").append(". As long as this page is served: ", link, `; it stays in ${state.report}`);
+      element("doing").append(". While this page is served, see ", link, `; it is saved as ${state.report}`);
     }
   };
 

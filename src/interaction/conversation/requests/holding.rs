@@ -106,7 +106,7 @@ impl Conversation {
                 self.actor.let_go();
                 let but = if stick { " but the stick" } else { "" };
                 let back = if touching { ", and withdrew my hand from what I touched" } else { "" };
-                format!("I hold nothing{but}{back}")
+                format!("I am not holding anything{but}{back}")
             }
         };
         self.let_be();

@@ -72,7 +72,7 @@ impl Conversation {
         let found = found.map_err(Trouble::Told)?;
         let by = self.hand_for(request.hand);
         if request.stick && self.actor.stick_tip().is_none() {
-            return Ok(Answer::failed("I hold no stick"));
+            return Ok(Answer::failed("I am not holding a stick"));
         }
         self.let_be();
         let mut trouble = None;

@@ -71,7 +71,7 @@ impl Conversation {
     /// Gives the stick back, where there is one.
     pub(super) fn give_stick_back(&mut self) -> Acted {
         let Some(hand) = self.actor.stick().map(|stick| stick.hand) else {
-            return Ok(Answer::failed("I hold no stick"));
+            return Ok(Answer::failed("I am not holding a stick"));
         };
         self.let_be();
         let (tip, bare) = (self.actor.stick_tip(), self.actor.hands[hand].tip);
@@ -91,7 +91,7 @@ impl Conversation {
 
     /// What he knows of a stick.
     fn stick_in_words(&self) -> String {
-        let Some(stick) = self.actor.stick() else { return "I hold no stick".into() };
+        let Some(stick) = self.actor.stick() else { return "I am not holding a stick".into() };
         let known = stick.known.map_or("I do not know it".to_string(), |known| {
             let [x, y, z]: [f64; 3] = known.tool.tip.into();
             format!("{} (at {x:.3},{y:.3},{z:.3} m in that hand's frame)", tip_in_words(&known))

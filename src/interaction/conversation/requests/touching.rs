@@ -42,7 +42,7 @@ impl Conversation {
 
     /// Touches a thing with the tip of the stick that he holds.
     fn touch_with_stick(&mut self, thing: &KnownThing, lean: bool) -> Acted {
-        let Some(tip) = self.actor.stick_tip() else { return Ok(Answer::failed("I hold no stick")) };
+        let Some(tip) = self.actor.stick_tip() else { return Ok(Answer::failed("I am not holding a stick")) };
         if thing.in_touch == Some(tip) {
             return Ok(Answer::done("The stick touches it already"));
         }

@@ -14,7 +14,7 @@ pub fn misses(found: &Calibration) -> Table {
         let numbers = [misses.rms, misses.median, misses.p95, misses.max];
         std::iter::once(name).chain(numbers.map(|metres| error_number(1e3 * metres)))
     };
-    Table::new(["contact residual, mm", "RMS", "Median", "95 %", "Max"], found.misses().into_iter().map(row))
+    Table::new(["Contact residual, mm", "RMS", "Median", "95 %", "Max"], found.misses().into_iter().map(row))
 }
 
 /// Estimated quantities, quantity by quantity, in units for readers.
