@@ -71,7 +71,7 @@ fn limits_that_are_none_are_taken_for_none_by_all_and_told() {
     let pi = std::f64::consts::PI;
     let free = [-pi, pi];
     for (limits, expected, told) in [
-        (["-1e16", "1e16"], free, "-1e16 to 1e16, are read as none"),
+        (["-1e16", "1e16"], free, "-1e16 to 1e16, are ignored"),
         (["-1e38", "1e38"], free, "are ignored"),
         (["-inf", "inf"], free, "-inf to inf, are ignored"),
         (["-Infinity", "+Infinity"], free, "are ignored"),

@@ -351,7 +351,7 @@ fn malformed_lines_are_named() {
     assert!(complaint(3, |lines| lines[2] = "{}".into()).contains("missing field"));
     assert!(complaint_after("\"motion\":0", "\"motion\":-1").contains("invalid value"));
     assert!(complaint_after("\"posture\"", "\"pose\"").contains("`posture`"));
-    assert!(complaint_after("\"head_00\"", "\"head_00\",\"head_01\"").contains("not a touch"));
+    assert!(complaint_after("\"head_00\"", "\"head_00\",\"head_01\"").contains("not a valid touch"));
 }
 
 #[test]

@@ -249,7 +249,7 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence() {
         (&["nowhere.xml"], "nowhere.xml: no such file"),
         (&["."], "there is no session.json in it"),
         (&["session", "--touch", "1001"], "it has no touch 1001: give one from 1 to 1000"),
-        (&["session", "--touch", "0"], "it has no touch 0 in it"),
+        (&["session", "--touch", "0"], "it has no touch 0"),
         (&["session", "--touches", "1..2"], "--touches makes a film"),
         (&["session", "--learning"], "--learning makes a film"),
         (&["session", "--posture", "left_elbow_flexion=-90"], "-90° is outside its range"),
