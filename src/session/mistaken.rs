@@ -115,8 +115,8 @@ mod tests {
             ("sessions/max-2", "max-1"),
             ("sessions/max-1/session.json", "give its folder"),
             ("shared", "merge"),
-            ("study", "a study's folder"),
-            (".", "no session's folder"),
+            ("study", "a study folder"),
+            (".", "not a session folder"),
         ] {
             let sentence = for_session(&path(given));
             assert!(sentence.contains(told), "{given}: {sentence}");

@@ -200,8 +200,9 @@ pub(super) struct TouchLine<S, P, V> {
 pub(super) fn met<'a>(touch: &Touch, agent: &'a Agent) -> Result<[(&'a Receptor, &'a str); 2], String> {
     let of_end = |end: TouchEnd| -> Result<(&'a Receptor, &'a str), String> {
         let receptor = agent.skin().receptors.get(end.receptor);
-        let receptor =
-            receptor.ok_or_else(|| format!("the skin has no receptor {} (counted from 0)", end.receptor))?;
+        let receptor = receptor.ok_or_else(|| {
+            format!("the skin has no receptor {} (counted from 0): leave the touch out", end.receptor)
+        })?;
         Ok((receptor, agent.creature().limbs()[receptor.limb].as_str()))
     };
     Ok([of_end(touch.ends[0])?, of_end(touch.ends[1])?])

@@ -409,7 +409,7 @@ fn a_urdf_comes_back_with_its_encoders_put_right() {
     for line in before.lines().filter(|line| !line.contains("<origin")) {
         assert!(written.contains(line), "{line}");
     }
-    place.fails(&arguments, &["made", "holds a calibration already"]);
+    place.fails(&arguments, &["made", "already contains a calibration"]);
 }
 
 #[test]
@@ -481,13 +481,13 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
             &["Left_Wrist_deg", "left_wrist", "rename"],
         ),
         ("limb.csv", log.replace("left_hand", "lefthand"), &["line", "lefthand", "left_hand"]),
-        ("point.csv", with_head(",ax,", ",a_x,"), &["no column ax"]),
+        ("point.csv", with_head(",ax,", ",a_x,"), &["column ax is missing"]),
         (
             "words.csv",
             log.replacen("left_hand,right_hand,", "left_hand,right_hand,oops", 1),
             &["line", "ax", "not a number"],
         ),
-        ("headless.csv", log.lines().skip(1).map(|l| format!("{l}\n")).collect(), &["no column limb_a"]),
+        ("headless.csv", log.lines().skip(1).map(|l| format!("{l}\n")).collect(), &["column limb_a is missing"]),
         ("empty.csv", log.lines().next().unwrap().to_string(), &["no touch"]),
     ];
     for (name, content, words) in &logs {
@@ -497,7 +497,7 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
     place.write("robot.json", "{\"name\": 3}");
     place.fails(&["touches.csv", "arms.urdf"], &["touches.csv", "robot first"]);
     place.fails(&["arms.urdf", "arms.urdf"], &["arms.urdf", "XML"]);
-    place.fails(&["arms.urdf", "robot.json"], &["robot.json", "no column limb_a"]);
+    place.fails(&["arms.urdf", "robot.json"], &["robot.json", "column limb_a is missing"]);
     place.fails(&["robot.json", "touches.csv"], &["robot.json", "name"]);
     place.fails(&["gone.urdf", "touches.csv"], &["gone.urdf", "exists"]);
     place.fails(&["arms.urdf", "touches.csv", "--free", "*.offsets"], &["*.offsets", "left_yaw.offset"]);

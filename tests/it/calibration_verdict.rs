@@ -260,5 +260,5 @@ fn a_deviation_without_a_unit_is_refused() {
     // A ratio has none.
     let found = place.json(&["two.csv", "log.csv", "--prior", "q.gain=0.01"]);
     let verdict = found["verdict"].as_str().unwrap();
-    assert!(verdict.contains("too few rows: 1, at least"), "{verdict}");
+    assert!(verdict.contains("too few rows: 1, but at least"), "{verdict}");
 }

@@ -596,7 +596,7 @@ fn calibrate_reads_columns_as_learn_does() {
     assert!((read.touches[0].posture[1] - pi / 2.0).abs() < 1e-12);
     for (head, row, told) in [
         ("thumb_mm,thumb_cm", "1,1", "column \"thumb_mm\": thumb is an angle"),
-        ("thumb [steps],thumb_cm", "1,1", "the unit steps is not known"),
+        ("thumb [steps],thumb_cm", "1,1", "unknown unit steps"),
         ("thumb_cm", "1", "joint thumb moves a touched link but has no reading"),
         ("thumb [rad],thumb_cm", "90,1", "if they are degrees, call the column thumb_deg"),
     ] {

@@ -88,9 +88,9 @@ fn a_wrong_file_is_told_in_a_sentence_that_names_the_place_and_the_mend() {
         (entry(&|e| e["axes"][0]["dof"] = json!("elbow")), &["\"elbow\"", "left_shoulder_a"]),
         (entry(&|e| e["axes"][0]["axis"] = json!([0, 3, 4])), &["length 5", "[0, 0.6, 0.8]"]),
         (entry(&|e| e["axes"][0]["axis"] = json!([0, 0, 0])), &["length zero"]),
-        (entry(&|e| e["position_std"] = json!(-0.1)), &["position_std of -0.1", "not negative"]),
+        (entry(&|e| e["position_std"] = json!(-0.1)), &["position_std of -0.1", "impossible"]),
         (entry(&|e| e["axes"][1]["axis_std"] = json!(-1)), &["axis_std of -1", "left_shoulder_b"]),
-        (entry(&|e| e["position_std"] = json!(0.01)), &["nearly", "above zero"]),
+        (entry(&|e| e["position_std"] = json!(0.01)), &["uncertain", "above zero"]),
         (
             entry(&|e| {
                 e.as_object_mut().unwrap().remove("axes");

@@ -180,7 +180,7 @@ fn a_snake_that_is_stroked_for_a_minute_learns_true_neighbours() {
     assert!(succeeds(place.path(), &felt).contains("\"sensed\""));
     wrong_maps_are_told_in_one_sentence(place.path(), &felt, &map);
     wrong_logs_are_told_in_one_sentence(place.path(), &log);
-    assert!(refused(place.path(), 1, &stroke).contains("holds a session already"));
+    assert!(refused(place.path(), 1, &stroke).contains("already contains a session"));
 }
 
 /// What is wrong with a map, by a word that the message must have.
@@ -209,7 +209,7 @@ fn wrong_maps_are_told_in_one_sentence(place: &Path, feel: &[&str], map: &Value)
         (with(Value::from(others[1..].to_vec())), "the other way round"),
         (with(Value::from(many)), "keep only the nearest"),
         (fewer.to_string(), "an empty list"),
-        (with(Value::from(7)), "no map of neighbours"),
+        (with(Value::from(7)), "not a valid map of neighbours"),
     ];
     for (text, word) in cases {
         fs::write(place.join("map.json"), &text).unwrap();

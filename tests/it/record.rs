@@ -142,7 +142,7 @@ fn sentence(error: &Error, path: &Path, line: Option<usize>) -> String {
     assert!(text.starts_with(&format!("{place}: ")), "{text}");
     assert!(!text.contains('\n') && !text.ends_with('.'), "{text}");
     let mend = text.rsplit(": ").next().unwrap();
-    let imperatives = ["give", "mend", "divide", "convert", "update", "leave", "name"];
+    let imperatives = ["give", "correct", "restore", "divide", "convert", "update", "leave", "name", "choose", "use"];
     assert!(imperatives.iter().any(|verb| mend.starts_with(verb)), "{text}");
     text
 }
@@ -319,8 +319,8 @@ fn a_log_cut_in_its_header_is_refused() {
 fn an_empty_log_and_a_missing_header_are_named() {
     assert!(complaint(1, Vec::clear).contains("no header"));
     assert!(complaint(1, |lines| drop(lines.remove(0))).contains("states no format"));
-    assert!(complaint(1, |lines| lines[0] = "hello".into()).contains("states no format"));
-    assert!(complaint(1, |lines| lines[0] = "[1]".into()).contains("states no format"));
+    assert!(complaint(1, |lines| lines[0] = "hello".into()).contains("states no readable format"));
+    assert!(complaint(1, |lines| lines[0] = "[1]".into()).contains("states no readable format"));
 }
 
 #[test]
@@ -337,7 +337,7 @@ fn a_foreign_header_is_named() {
     for version in ["0", "-1", "1.5", "\"1\"", "null"] {
         complaint(1, |lines| lines[0] = lines[0].replace("n\":1", &format!("n\":{version}")));
     }
-    assert!(spoilt("\"tot\"", "\"max\"").contains("are of \"max\" with 7"));
+    assert!(spoilt("\"tot\"", "\"max\"").contains("belong to \"max\" with 7"));
     assert!(spoilt("\"coordinates\":7", "\"coordinates\":8").contains("with 8 coordinates"));
     assert!(spoilt("\"m rad\"", "\"mm deg\"").contains("\"mm deg\""));
     assert!(spoilt("\"units\":\"m rad\"", "\"u\":0").contains("units"));
@@ -477,7 +477,7 @@ fn schema_complaint(from: &str, to: &str, line: Option<usize>) -> String {
 fn a_wrong_schema_is_named() {
     assert!(schema_complaint("bodyschema schema", "urdf", None).contains("\"urdf\""));
     assert!(schema_complaint("\"version\": 1", "\"version\": 9", None).contains("newer version"));
-    assert!(schema_complaint("\"tot\"", "\"max\"", None).contains("of \"max\""));
+    assert!(schema_complaint("\"tot\"", "\"max\"", None).contains("belongs to \"max\""));
     assert!(schema_complaint("\"reach\"", "\"elbow\"", None).contains("\"elbow\""));
     assert!(schema_complaint("\"trunk\"", "\"hand\"", None).contains("on \"hand\""));
     assert!(schema_complaint("shoulder_flexion", "twist", None).contains("\"twist\""));
@@ -661,7 +661,7 @@ fn a_full_disk_is_named() {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink("/dev/full", folder.path().join(TOUCHES_FILE)).unwrap();
     let error = TouchWriter::create(folder.path(), &agent()).unwrap_err().to_string();
-    assert!(error.contains("touches.jsonl: no space left on device: make room"), "{error}");
+    assert!(error.contains("touches.jsonl: no space left on device: free some space"), "{error}");
 }
 
 #[test]

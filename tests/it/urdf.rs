@@ -305,20 +305,20 @@ fn a_robot_that_is_no_tree_is_told_by_link_and_line() {
         (
             robot(&[a.clone(), b.clone(), joint("1", "a", "b", ""), joint("2", "a", "b", "")]),
             "line 5",
-            "two joints",
+            "two parent joints",
         ),
         (
             robot(&[a.clone(), b.clone(), joint("1", "a", "b", ""), joint("2", "b", "a", "")]),
             "urdf",
-            "circle",
+            "form a loop",
         ),
-        (robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='zz'/>")]), "line 4", "mimics zz"),
+        (robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='zz'/>")]), "line 4", "mimics zz, which does not exist"),
         (
             robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<axis xyz='0 0 0'/>")]),
             "line 4",
             "no direction",
         ),
-        (robot(&[a.clone(), a.clone()]), "line 3", "two links a"),
+        (robot(&[a.clone(), a.clone()]), "line 3", "two links are called a"),
         (robot(&[a.clone(), "<link/>\n".into()]), "line 3", "no name"),
         (
             robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='1'/>")]),

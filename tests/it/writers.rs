@@ -382,7 +382,7 @@ fn aftermath(yard: &Yard, victim: &Victim, how: &str, findings: &mut Findings) {
     let again = match (victim.words[0], victim.before) {
         ("babble", None) if begun => yard.tries(&["babble", "--resume", "s", "--quiet"]),
         (_, None) if begun => match yard.tries(&victim.words) {
-            Err(message) if message.contains("holds a session already") => Ok(()),
+            Err(message) if message.contains("already contains a session") => Ok(()),
             other => Err(format!("it is written twice: {other:?}")),
         },
         _ => yard.tries(&victim.words),
