@@ -487,7 +487,11 @@ fn a_mistake_gets_a_sentence_with_its_mend() {
             log.replacen("left_hand,right_hand,", "left_hand,right_hand,oops", 1),
             &["line", "ax", "not a number"],
         ),
-        ("headless.csv", log.lines().skip(1).map(|l| format!("{l}\n")).collect(), &["column limb_a is missing"]),
+        (
+            "headless.csv",
+            log.lines().skip(1).map(|l| format!("{l}\n")).collect(),
+            &["column limb_a is missing"],
+        ),
         ("empty.csv", log.lines().next().unwrap().to_string(), &["no touch"]),
     ];
     for (name, content, words) in &logs {

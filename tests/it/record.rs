@@ -142,7 +142,8 @@ fn sentence(error: &Error, path: &Path, line: Option<usize>) -> String {
     assert!(text.starts_with(&format!("{place}: ")), "{text}");
     assert!(!text.contains('\n') && !text.ends_with('.'), "{text}");
     let mend = text.rsplit(": ").next().unwrap();
-    let imperatives = ["give", "correct", "restore", "divide", "convert", "update", "leave", "name", "choose", "use"];
+    let imperatives =
+        ["give", "correct", "restore", "divide", "convert", "update", "leave", "name", "choose", "use"];
     assert!(imperatives.iter().any(|verb| mend.starts_with(verb)), "{text}");
     text
 }

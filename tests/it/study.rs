@@ -126,10 +126,7 @@ fn a_study_that_was_interrupted_goes_on_with_the_trials_that_are_missing() {
     let message = refused(place.path(), 1, &[&other[..], &["--out", "studies/learners"]].concat());
     assert!(message.contains("touches is 12 in one, 13 in the other"), "{message}");
     let told = succeeds(place.path(), &arguments[..7]);
-    assert!(
-        told.trim_end().ends_with("were written to studies/learners"),
-        "{told}"
-    );
+    assert!(told.trim_end().ends_with("were written to studies/learners"), "{told}");
     assert!(begun.join("study.csv").is_file() && !begun.join(".trials").exists());
 }
 

@@ -312,7 +312,11 @@ fn a_robot_that_is_no_tree_is_told_by_link_and_line() {
             "urdf",
             "form a loop",
         ),
-        (robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='zz'/>")]), "line 4", "mimics zz, which does not exist"),
+        (
+            robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<mimic joint='zz'/>")]),
+            "line 4",
+            "mimics zz, which does not exist",
+        ),
         (
             robot(&[a.clone(), b.clone(), joint("1", "a", "b", "<axis xyz='0 0 0'/>")]),
             "line 4",
