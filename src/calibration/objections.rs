@@ -223,7 +223,7 @@ fn rows(estimator: &Estimator, fit: &Fit) -> Option<Objection> {
         let least = (all.unknowns + all.unknowns.max(FEWEST_SPARE)) / each;
         let needed = (least - 1e-6).ceil() + (rows - all.rows).round();
         let sentence = format!(
-            "too few rows: {rows}, but at least {needed} are needed to estimate and test {:.0} parameters; {MORE}",
+            "too few rows: {rows}, but at least {needed} are needed to estimate and test {:.0} effective parameters; {MORE}",
             all.unknowns
         );
         return Some(Question::Rows.about(None, [rows, needed], sentence));

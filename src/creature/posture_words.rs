@@ -73,5 +73,5 @@ fn set(word: &str, creature: &Creature, posture: &mut Posture) -> Result<(), Str
     }
     let [x, low, high] =
         [coordinate, low, high].map(|x| format!("{}{unit}", (x * per_unit * 100.0).round() / 100.0));
-    Err(format!("{x} is outside its range of {low} to {high}"))
+    Err(format!("{x} is outside its range of {low} to {high}: give a number within"))
 }

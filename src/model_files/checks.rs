@@ -218,7 +218,7 @@ fn fault(element: &Element, name: &str, value: &str, part: Part) -> Option<Strin
     for token in &tokens {
         let fault = match (number(token), token.parse::<f64>()) {
             (Some(x), _) if !x.is_finite() && (x.is_nan() || greatest.is_finite()) => {
-                "is not a finite number"
+                "is not a finite number; give one"
             }
             (Some(x), _) if !(least..=greatest).contains(&x) => {
                 let (bound, mend) = if x > greatest { (greatest, "smaller") } else { (least, "greater") };

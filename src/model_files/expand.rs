@@ -268,7 +268,7 @@ impl Expansion<'_> {
         let count = replicate.get("count");
         let count = count.ok_or_else(|| refused("<replicate> has no count; give it count=\"…\"".into()))?;
         let count = count.trim().parse::<usize>().map_err(|_| {
-            refused(format!("count=\"{count}\" of <replicate> is not a whole number, 0 or above"))
+            refused(format!("count=\"{count}\" of <replicate> is not a whole number, 0 or above; give one"))
         })?;
         self.bounded(replicate, self.elements.saturating_add(count.saturating_mul(inner.len())))?;
         let offset = replicate.vector("offset").unwrap_or_default();

@@ -474,7 +474,7 @@ fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
     for (joint, pose) in creature.joints().iter().zip(&schema.limb_poses) {
         let turned = pose.rotation.tr_mul(&pose.rotation) - Matrix3::identity();
         if turned.amax() > UNIT_LENGTH || pose.rotation.determinant() < 0.0 {
-            return Err(format!("the pose of the limb on \"{}\" has no rotation", joint.name));
+            return Err(format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name));
         }
     }
     for (dof, axis) in creature.dofs().zip(&schema.axes) {

@@ -161,7 +161,7 @@ impl<'a> Log<'a> {
         let Some(at) = self.given(row, name) else { return Ok(None) };
         row[at].parse().map(Some).map_err(|_| {
             let place = self.table.place(at);
-            CellFault::Wrong(format!("{place}: \"{}\" is not a whole number", &row[at]))
+            CellFault::Wrong(format!("{place}: \"{}\" is not a whole number: give one", &row[at]))
         })
     }
 

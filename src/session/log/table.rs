@@ -343,7 +343,7 @@ fn cells(touch: &Value, coordinates: &[String]) -> Result<Vec<(String, String)>,
             ("contacts", _) if list.len() == 2 => {
                 for (titles, point) in POINTS.iter().zip(list) {
                     let point = point.as_array().filter(|point| point.len() == 3);
-                    let point = point.ok_or("contacts are not two points of three coordinates each")?;
+                    let point = point.ok_or("contacts are not two points of three coordinates: give both")?;
                     cells.extend(titles.map(String::from).into_iter().zip(point));
                 }
             }

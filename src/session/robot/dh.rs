@@ -259,7 +259,7 @@ fn add_joint<'a>(
     order: &mut [usize; 5],
 ) -> Result<(), String> {
     let text = |column: &str| table.text(row, column);
-    let name = text("joint").ok_or("the joint has no name")?;
+    let name = text("joint").ok_or("the joint has no name: give it one")?;
     let link = text("link").map_or_else(|| format!("{name}_link"), str::to_string);
     let (kind, moved) = match text("kind").map(str::to_lowercase).as_deref() {
         None | Some("hinge" | "revolute" | "r") => (Some(DofKind::Hinge), "theta"),

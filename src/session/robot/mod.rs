@@ -264,7 +264,7 @@ fn fault(robot: &Robot) -> Option<String> {
             Form::Plane => None,
             Form::Sphere(radius) => {
                 let possible = robot.quantities[*radius].nominal.number() > 0.0;
-                (!possible).then(|| "has no radius above 0 (metres)".into())
+                (!possible).then(|| "has no radius above 0: give metres".into())
             }
         };
         let fault = pose_fault(&surface.pose).or_else(shape)?;
