@@ -14,6 +14,7 @@ from ._tables import Record, Table
 
 __all__ = [
     "Creature",
+    "Crowd",
     "Error",
     "Fitted",
     "Robot",
@@ -92,6 +93,16 @@ class Creature:
     @property
     def receptors(self) -> Table: ...
     def sample_postures(self, n: int, *, seed: int = 1) -> _Floats: ...
+
+@final
+class Crowd:
+    def __new__(cls, creature: Creature, count: int) -> Crowd: ...
+    @property
+    def start(self) -> _Floats: ...
+    @property
+    def timestep(self) -> float: ...
+    def place(self, which: Sequence[int], postures: ArrayLike) -> None: ...
+    def step(self, targets: ArrayLike, steps: int) -> NDArray[np.float32]: ...
 
 @final
 class Session:

@@ -83,13 +83,26 @@ fn address(array: &Bound<PyAny>) -> PyResult<usize> {
     array.getattr("ctypes")?.getattr("data")?.extract()
 }
 
+/// A number as NumPy has it.
+pub trait Number: Send {
+    const DTYPE: &str;
+}
+
+impl Number for f64 {
+    const DTYPE: &str = "float64";
+}
+
+impl Number for f32 {
+    const DTYPE: &str = "float32";
+}
+
 /// A new array of a shape whose zeros are filled in.
-pub fn filled<'py>(
+pub fn filled<'py, T: Number>(
     py: Python<'py>,
     shape: &[usize],
-    fill: impl FnOnce(&mut [f64]) + Send,
+    fill: impl FnOnce(&mut [T]) + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let array = py.import("numpy")?.call_method1("zeros", (shape.to_vec(), "float64"))?;
+    let array = py.import("numpy")?.call_method1("zeros", (shape.to_vec(), T::DTYPE))?;
     let (count, address) = (shape.iter().product(), address(&array)?);
     if count > 0 {
         // SAFETY: NumPy has just made so many numbers there in one piece, and nobody else has the array yet.

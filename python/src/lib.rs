@@ -3,6 +3,7 @@
 mod arrays;
 mod compute;
 mod creature;
+mod driven;
 mod errors;
 mod folder;
 mod options;
@@ -21,6 +22,7 @@ fn _core(module: &Bound<PyModule>) -> PyResult<()> {
     module.add("Error", py.get_type::<errors::Error>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<creature::Creature>()?;
+    module.add_class::<driven::Crowd>()?;
     module.add_class::<session::Session>()?;
     module.add_class::<schema::Schema>()?;
     module.add_class::<robot::Robot>()?;

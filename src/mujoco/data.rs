@@ -384,22 +384,12 @@ impl Data {
         )
     }
 
-    /// The centre of geom `i` in the world frame, in metres.
-    pub fn geom_position(&self, i: usize) -> Point3<f64> {
-        vector(&array!(self, geom_xpos[ngeom * 3])[3 * i..]).into()
-    }
-
     /// The pose of site `i` in the world frame.
     pub fn site_pose(&self, i: usize) -> Isometry3<f64> {
         pose(
             &array!(self, site_xpos[nsite * 3])[3 * i..],
             rotation(&array!(self, site_xmat[nsite * 9])[9 * i..]),
         )
-    }
-
-    /// The centre of site `i` in the world frame, in metres.
-    pub fn site_position(&self, i: usize) -> Point3<f64> {
-        vector(&array!(self, site_xpos[nsite * 3])[3 * i..]).into()
     }
 
     /// The anchor of joint `i` in the world frame, in metres.

@@ -357,7 +357,8 @@ impl Model {
 
     /// Whether the file asks for the noise of its sensors; newer engines know of no such wish.
     pub fn has_sensor_noise(&self) -> bool {
-        self.raw().opt.enableflags as u32 & ffi::mjENBL_SENSORNOISE != 0
+        let wish = ffi::mjENBL_SENSORNOISE;
+        self.raw().opt.enableflags as u32 & wish != 0
     }
 
     /// The active equality constraints, in the file's order.

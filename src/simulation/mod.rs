@@ -23,12 +23,14 @@ mod thing;
 mod touchable;
 
 pub use agent_handle::AgentHandle;
+pub use dynamic::{Servo, ServoPath};
 pub use event::{aura_event_json, event_json};
 pub use kinematic::DEEPEST;
 pub use motion::{Effort, Ending, MotionName, Mover, Movers};
 pub use probe::{PROBE_RADIUS, ProbePath, STIFFNESS};
 pub use self_contact::{LimbPair, Relation, SelfContact};
 pub use stage::{Stage, StageOptions, StepSenses, Watcher};
+pub use step::step;
 pub use thing::{Substance, Thing};
 
 /// Two numbers, of geoms or limbs, the lesser one first.

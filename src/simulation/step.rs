@@ -11,7 +11,7 @@ use crate::mujoco::Data;
 ///
 /// # Errors
 /// Where the engine fails.
-pub(super) fn step(
+pub fn step(
     data: &mut Data,
     (qpos, qvel): (&[f64], &[f64]),
     meets: impl FnMut([usize; 2]) -> bool,

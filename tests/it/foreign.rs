@@ -19,7 +19,7 @@ fn geom_places(xml: &str) -> Vec<(Option<String>, [f64; 3])> {
     let model = Arc::new(Model::from_xml(xml).unwrap());
     let mut data = Data::new(model.clone()).unwrap();
     data.kinematics().unwrap();
-    let place = |g: usize| data.geom_position(g).coords.into();
+    let place = |g: usize| data.geom_pose(g).translation.vector.into();
     let name = |g: usize| model.body(model.geom_body(g)).name.map(str::to_string);
     (0..model.ngeom()).map(|g| (name(g), place(g))).collect()
 }
@@ -150,7 +150,10 @@ fn a_model_is_attached_with_its_own_units_classes_and_couplings() {
     ];
     for (g, (body, place)) in expected.into_iter().enumerate() {
         assert_eq!(model.body(model.geom_body(g)).name, Some(body));
-        assert!((data.geom_position(g).coords - nalgebra::Vector3::from(place)).norm() < 1e-9, "{body}");
+        assert!(
+            (data.geom_pose(g).translation.vector - nalgebra::Vector3::from(place)).norm() < 1e-9,
+            "{body}"
+        );
     }
     assert_eq!(model.joint(0).range, [-1.0, 1.0]);
     let couplings = model.equalities();

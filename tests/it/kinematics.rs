@@ -221,7 +221,7 @@ fn receptors_of_max_are_where_mujoco_has_their_sites() {
             let root = data.body_pose(body.root);
             for receptor in &skin.receptors {
                 let site = body.model.id(ObjectKind::Site, &receptor.id).unwrap();
-                let expected = root.inverse_transform_point(&data.site_position(site));
+                let expected = root.inverse_transform_point(&data.site_pose(site).translation.vector.into());
                 let found = frames[receptor.limb].point(&receptor.position);
                 assert!((found - expected.coords).norm() < POSITION, "{}", receptor.id);
             }

@@ -178,7 +178,7 @@ fn shapes_are_where_the_skin_is() {
     for surface in &skin.surfaces {
         let pieces = if matches!(surface.shape, Shape::Capsule { .. }) { 3 } else { 1 };
         let centre = frames[surface.limb].point(&surface.origin);
-        let first = data.geom_position(geom).coords;
+        let first = data.geom_pose(geom).translation.vector;
         assert!((first - centre).norm() < 1e-6, "{:?} at {first} and not {centre}", surface.shape);
         if let Shape::Ellipsoid { semi_axes } = surface.shape {
             let vertices = model.mesh_vertices(geom);

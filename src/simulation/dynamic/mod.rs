@@ -7,8 +7,8 @@ mod servo;
 
 use std::collections::BTreeMap;
 
-pub(super) use servo::Servo;
-use servo::{FINER, ServoPath};
+use servo::FINER;
+pub use servo::{Servo, ServoPath};
 
 use super::motion::{Ending, Motion, Movers, Moving};
 use super::sorted;

@@ -41,9 +41,9 @@ struct Drive {
 }
 
 /// The servos of a body, and its model in the steps that they work in: what its simulations share.
-pub(in crate::simulation) struct Servo {
+pub struct Servo {
     /// The body's model in ever finer steps.
-    pub(super) levels: Vec<Arc<Model>>,
+    pub levels: Vec<Arc<Model>>,
     drives: Vec<Drive>,
     /// Per number of `qpos`, whether a servo moves it.
     moved: Vec<bool>,
@@ -52,7 +52,7 @@ pub(in crate::simulation) struct Servo {
 }
 
 /// A way between two vectors `qpos`: minimum jerk, every joint straight, all of them at the same pace.
-pub(in crate::simulation) struct ServoPath {
+pub struct ServoPath {
     start: Vec<f64>,
     /// Per number of `qvel`, how far it goes; balls in the frame that they turn.
     length: Vec<f64>,
