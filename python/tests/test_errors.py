@@ -211,16 +211,166 @@ RANGE: dict[str, Call] = {
     "jobs huge": lambda g: bs.babble(g.creature, jobs=10**6),
 }
 
-ALL = [
-    pytest.param(kind, call, id=f"{kind.__name__}: {name}")
-    for kind, calls in [
-        (ValueError, VALUE),
-        (FileNotFoundError, MISSING),
-        (bs.Error, ERROR),
-        (TypeError, TYPE),
-        (OverflowError, RANGE),
+# Each of many functions with each of many wrong values.
+LIMB_OF: dict[str, Callable[[Any, Any], object]] = {
+    "pose": lambda g, limb: g.schema.pose(limb, g.q),
+    "pose of several": lambda g, limb: g.schema.pose(["head", limb], g.q),
+    "pose wrt": lambda g, limb: g.schema.pose("head", g.q, wrt=limb),
+    "jacobian": lambda g, limb: g.schema.jacobian(limb, g.q),
+    "jacobian wrt": lambda g, limb: g.schema.jacobian("head", g.q, wrt=limb),
+    "position_std": lambda g, limb: g.schema.position_std(limb, g.q),
+    "reach": lambda g, limb: g.schema.reach(limb, [0.1, 0.1, 0.1]),
+    "reachable": lambda g, limb: g.schema.reachable(limb),
+}
+NO_LIMBS = ["nobody", "", "a\0b", " head", "HEAD", "head\n", "é", "../head", "0", "x" * 10_000]
+
+CHOICE_OF: dict[str, Callable[[Any, Any], object]] = {
+    **{
+        f"{name} {option}": lambda g, word, name=name, option=option: (
+            bs.learn(g.session, **{option: word}) if name == "learn" else bs.babble(g.creature, touches=3, **{option: word})
+        )
+        for name in ("learn", "babble")
+        for option in ("learner", "input", "skin", "frames")
+    },
+    "policy": lambda g, word: bs.babble(g.creature, policy=word),
+    "motion": lambda g, word: bs.babble(g.creature, motion=word),
+    "study": lambda g, word: bs.study(word, seeds=range(1)),
+    "study case": lambda g, word: bs.study("bodies", seeds=range(1), cases=[word or "nobody"]),
+}
+NO_CHOICES = ["nobody", "", "LM", " lm", "a\0b", "é", "x" * 10_000]
+
+POSITIVE: dict[str, Callable[[Any, Any], object]] = {
+    "voxel": lambda g, x: g.schema.reachable("head", x),
+    "seconds": lambda g, x: bs.babble(g.creature, seconds=x),
+    "work": lambda g, x: bs.babble(g.creature, work=x),
+    "study work": lambda g, x: bs.study("bodies", seeds=range(1), work=x),
+    "prior": lambda g, x: bs.calibrate(g.robot, g.log, prior={"*.offset": x}),
+}
+NOT_NEGATIVE: dict[str, Callable[[Any, Any], object]] = {
+    **{
+        option: lambda g, x, option=option: bs.learn(g.session, **{option: x})
+        for option in ("joint_noise_deg", "receptor_noise_mm", "point_noise_mm", "false_touches")
+    },
+    "calibrate joint_noise": lambda g, x: bs.calibrate(g.robot, g.log, free="*.offset", joint_noise=x),
+}
+
+POINT_OF: dict[str, Callable[[Any, Any], object]] = {
+    "reach": lambda g, point: g.schema.reach("head", point),
+    "position_std": lambda g, point: g.schema.position_std("head", g.q, point=point),
+}
+NO_POINTS: dict[str, Any] = {
+    "a number": 1.0,
+    "empty": [],
+    "two": [1, 2],
+    "four": [1, 2, 3, 4],
+    "deep": [[0, 0, 0]],
+    "nan": [0, NAN, 0],
+    "infinite": [0, 0, -INF],
+    "words": ["a", "b", "c"],
+    "nothing in it": [None, None, None],
+    "a dictionary": {"x": 1},
+    "an object": object(),
+    "ragged": [[1], [2, 3]],
+}
+
+OTHER_KINDS: dict[str, Any] = {
+    "none": None,
+    "a number": 3,
+    "words": "max",
+    "a list": [],
+    "a dictionary": {},
+    "an object": object(),
+}
+OF_KIND: dict[str, Callable[[Any, Any], object]] = {
+    "babble": lambda g, it: bs.babble(it, touches=3),
+    "learn": lambda g, it: bs.learn(it),
+    "evaluate a schema": lambda g, it: bs.evaluate(it, g.creature),
+    "evaluate a creature": lambda g, it: bs.evaluate(g.schema, it),
+    "record": lambda g, it: bs.record(it, g.q, [[0, 300]] * 5),
+    "calibrate": lambda g, it: bs.calibrate(it, g.log, free="*.offset"),
+}
+PATH_OF: dict[str, Callable[[Any, Any], object]] = {
+    "creature": lambda g, path: bs.Creature(path),
+    "robot": lambda g, path: bs.Robot(path),
+    "open": lambda g, path: bs.open(path),
+    "save": lambda g, path: g.schema.save(path),
+    "session save": lambda g, path: g.session.save(path),
+}
+NO_PATHS: dict[str, Any] = {"none": None, "a number": 3, "half": 0.5, "a list": [], "an object": object()}
+NO_FILES = ["no/such", "/proc/nobody/no", "no such", "\u00e9/\u00e9"]
+
+WHOLE_OF: dict[str, Callable[[Any, Any], object]] = {
+    "touches": lambda g, n: bs.babble(g.creature, touches=n),
+    "seed": lambda g, n: bs.babble(g.creature, touches=3, seed=n),
+    "jobs": lambda g, n: bs.babble(g.creature, touches=3, jobs=n),
+    "postures": lambda g, n: g.creature.sample_postures(n),
+    "learn touches": lambda g, n: bs.learn(g.session, touches=n),
+    "folds": lambda g, n: bs.calibrate(g.robot, g.log, free="*.offset", folds=n),
+    "study touches": lambda g, n: bs.study("learners", seeds=range(1), creature=g.creature, touches=n),
+}
+
+CONTENTS = {
+    "empty": "",
+    "a brace": "{",
+    "a bracket": "<",
+    "words": "What is this?",
+    "a page": "<html><body>no</body></html>",
+    "zeros": "\0" * 100,
+    "deep": "[" * 10_000,
+    "deep elements": "<a>" * 10_000,
+    "a table": "a,b,c\n1,2\n",
+    "json of another kind": '{"creature": 3, "touches": "many"}',
+}
+READER_OF: dict[str, Callable[[Any, Any], object]] = {
+    "creature": lambda g, path: bs.Creature(path),
+    "robot": lambda g, path: bs.Robot(path),
+    "log": lambda g, path: bs.calibrate(g.robot, path, free="*.offset"),
+    "held-out log": lambda g, path: bs.calibrate(g.robot, g.log, free="*.offset", held_out=path),
+    "known": lambda g, path: bs.learn(g.session, learner="lm", known=path),
+}
+
+
+def each(kind: type[Exception], calls: dict[str, Callable[[Any, Any], object]], values: Any) -> list[Any]:
+    """Each function with each wrong value."""
+    values = values.items() if isinstance(values, dict) else [(repr(value)[:20], value) for value in values]
+    return [
+        pytest.param(kind, lambda g, call=call, value=value: call(g, value), id=f"{kind.__name__}: {name}, {what}")
+        for name, call in calls.items()
+        for what, value in values
     ]
-    for name, call in calls.items()
+
+
+def without(calls: dict[str, Any], *names: str) -> dict[str, Any]:
+    return {name: call for name, call in calls.items() if name not in names}
+
+
+def of_content(call: Callable[[Any, Any], object]) -> Callable[[Any, Any], object]:
+    return lambda g, content: call(g, g.file(f"content-{abs(hash(content))}", content))
+
+
+ALL = [
+    *[
+        pytest.param(kind, call, id=f"{kind.__name__}: {name}")
+        for kind, calls in [
+            (ValueError, VALUE),
+            (FileNotFoundError, MISSING),
+            (bs.Error, ERROR),
+            (TypeError, TYPE),
+            (OverflowError, RANGE),
+        ]
+        for name, call in calls.items()
+    ],
+    *each(ValueError, LIMB_OF, NO_LIMBS),
+    *each(ValueError, CHOICE_OF, NO_CHOICES),
+    *each(ValueError, POSITIVE, [0.0, -1.0, NAN, INF, -INF]),
+    *each(ValueError, NOT_NEGATIVE, [-1.0, NAN, INF, -INF, -1e-300]),
+    *each(ValueError, POINT_OF, NO_POINTS),
+    *each(TypeError, OF_KIND, OTHER_KINDS),
+    *each(TypeError, PATH_OF, NO_PATHS),
+    *each(FileNotFoundError, without(PATH_OF, "save", "session save"), NO_FILES),
+    *each(OverflowError, WHOLE_OF, [-1, 2**64, -(2**64), 2**200]),
+    *each(TypeError, WHOLE_OF, ["many", 1.5, [1], {}]),
+    *each(bs.Error, {name: of_content(call) for name, call in READER_OF.items()}, CONTENTS),
 ]
 
 
@@ -233,21 +383,27 @@ def test_a_wrong_use_is_an_exception_with_a_sentence(given: Given, kind: type[Ex
 
 
 def test_there_are_many_wrong_uses() -> None:
-    assert len(ALL) > 120
+    assert len(ALL) >= 500
 
 
 def test_sentences_are_those_of_the_program() -> None:
     with pytest.raises(FileNotFoundError) as raised:
         bs.Creature("no/such.xml")
-    assert str(raised.value) == "no/such.xml: there is no such file; give the path of an MJCF or URDF file"
+    assert str(raised.value) == "no/such.xml: no such file; give the path of an MJCF or URDF file"
 
 
 def test_a_model_on_which_the_engine_crashes_is_refused(given: Given) -> None:
     given.file("text.obj", "v a b c\nv 1 2\n")
     model = """<mujoco><asset><mesh name="m" file="text.obj"/></asset><worldbody>
     <body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
-    with pytest.raises(bs.Error, match=r"crash\.xml"):
-        bs.Creature(given.file("crash.xml", model))
+    path = given.file("crash.xml", model)
+    if int(bs.mujoco_version().split(".")[0]) > 2:
+        # Newer engines refuse the mesh alone.
+        with pytest.warns(UserWarning, match=r"crash\.xml was read without geom of the mesh m"):
+            bs.Creature(path)
+    else:
+        with pytest.raises(bs.Error, match=r"crash\.xml"):
+            bs.Creature(path)
 
 
 def test_attributes_cannot_be_set(given: Given) -> None:

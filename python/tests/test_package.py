@@ -294,7 +294,7 @@ memory = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 for _ in range(300): once()
 for _ in range(10): rare()
 before = memory()
-for k in range(3000): once()
+for k in range(10_000): once()
 for k in range(30): rare()
 print(memory() - before)
 """
