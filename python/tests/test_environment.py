@@ -176,3 +176,42 @@ def test_what_is_closed_cannot_be_stepped() -> None:
         for use in [closed.reset, lambda closed=closed: closed.step(closed.action_space.sample())]:
             with pytest.raises(bs.Error, match="the environment is closed"):
                 use()
+
+
+def test_a_forked_process_steps_its_own(python: Callable[[str], str]) -> None:
+    code = """
+import multiprocessing as mp, numpy as np, bodyschema.environment as be
+envs = be.SelfTouchVector(4)
+envs.reset(seed=1)
+action = np.stack([envs._crowd.start] * 4)
+first = envs.step(action)[0]
+def child(_):
+    envs.reset(seed=1)
+    return envs.step(action)[0]
+with mp.get_context("fork").Pool(2) as pool:
+    assert all(np.array_equal(of, first) for of in pool.map(child, range(2)))
+print("done")
+"""
+    assert python(code) == "done\n"
+
+
+def test_steps_and_environments_leave_nothing_behind(python: Callable[[str], str]) -> None:
+    code = """
+import resource, numpy as np, bodyschema.environment as be
+envs = be.SelfTouchVector(2)
+envs.reset(seed=1)
+action = envs.action_space.sample()
+def steps(count):
+    for k in range(count):
+        envs.step(action)
+        if k % 100 == 0: envs.reset(seed=k)
+def made(count):
+    for _ in range(count):
+        be.SelfTouchVector(8).close()
+memory = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+steps(500); made(5)
+before = memory()
+steps(3_000); made(10)
+print(memory() - before)
+"""
+    assert int(python(code)) < 8000
