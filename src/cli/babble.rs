@@ -288,7 +288,9 @@ impl Job {
         }
         // Who goes on looking keeps nobody from the folder.
         drop(lock);
-        server.iter().for_each(rest);
+        if let Some(server) = server {
+            rest(&server);
+        }
         Ok(())
     }
 }

@@ -10,6 +10,8 @@ use crate::view::live::{LivePage, LookingView, Server};
 /// Where a page is served unless told otherwise; where that port is taken, at a free one.
 const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8042);
 const HERE_TEXT: &str = "127.0.0.1:8042";
+/// Variables one of which is set where a browser has a screen. Without any, `xdg-open` would start a browser for terminals.
+const DISPLAYS: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "BROWSER"];
 
 /// Where a page is served: taken already.
 pub struct Place {
@@ -46,12 +48,14 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     })
 }
 
-/// All is done: who sits before a terminal can go on looking until they end it.
-pub fn rest(server: &Server) {
-    if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
-        tell!("done; http://{}/ is served until Enter or Ctrl-C", server.address());
+/// Goes on serving where somebody sits before a terminal, until they end it; whether somebody did.
+pub fn rest(server: &Server) -> bool {
+    let attended = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    if attended {
+        tell!("http://{}/ is served until Enter or Ctrl-C", server.address());
         let _ = std::io::stdin().lock().read_line(&mut String::new());
     }
+    attended
 }
 
 /// Where a page is to be served that is all there is to a command.
@@ -61,10 +65,8 @@ pub fn place_at(address: Option<SocketAddr>, open: bool) -> Result<Place, Failur
 
 /// A page to look at, until nobody wants it any more.
 pub fn look(view: LookingView, place: Place) -> Outcome {
-    let _server = serve(place, Arc::new(view))?;
-    if std::io::stdin().is_terminal() {
-        tell!("the page is served until Enter or Ctrl-C");
-        let _ = std::io::stdin().lock().read_line(&mut String::new());
+    let server = serve(place, Arc::new(view))?;
+    if rest(&server) {
         return Ok(());
     }
     // Nobody types: a script, or the system that started it, ends it by a signal.
@@ -93,12 +95,21 @@ pub fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
     if !server.address().ip().is_loopback() {
         tell!("anyone who can reach that address can see the page, and talk there during a conversation");
     }
-    if place.open
-        && let Err(error) = open::that_detached(format!("http://{}/", server.address()))
-    {
-        tell!("cannot open a browser ({error}): open that address yourself");
+    if place.open {
+        show(&format!("http://{}/", server.address()));
     }
     Ok(server)
+}
+
+/// Opens a page in a browser, or prints where it is.
+pub fn show(page: &str) {
+    let opened = match DISPLAYS.iter().any(|name| std::env::var_os(name).is_some()) {
+        true => open::that_detached(page).map_err(|error| error.to_string()),
+        false => Err("there is no display".into()),
+    };
+    if let Err(why) = opened {
+        tell!("cannot open a browser ({why}): open {page} in one yourself");
+    }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod arguments;
 mod babble;
 mod calibrate;
 mod completions;
+mod demo;
 mod export;
 mod folders;
 mod inspect;
@@ -63,6 +64,7 @@ type Outcome = Result<(), Failure>;
     version,
     about = "A creature in MuJoCo learns where its joints are from self-touch alone",
     after_help = "Examples:
+  bodyschema demo                                            # Max learns his body; then talk to him
   bodyschema babble mjcf/max/max.xml                         # babble, learn, and measure
   bodyschema inspect mjcf/max/max.xml                        # what the agent is given
   bodyschema skin creature.xml --out with_skin.xml           # grow a skin on another creature
@@ -101,6 +103,7 @@ macro_rules! commands {
 }
 
 commands! {
+    Demo(demo::DemoArguments) => demo::run,
     Babble(babble::BabbleArguments) => babble::run,
     Learn(learn::LearnArguments) => learn::run,
     Calibrate(calibrate::CalibrateArguments) => calibrate::run,

@@ -119,25 +119,29 @@ pub fn run(args: &RenderArguments) -> Outcome {
         model(args, film)?
     };
     let [width, height] = args.size;
-    let mut renderer = Renderer::new(&drawing.model, width, height)
-        .map_err(|error| Failure(format!("{}: {error}", args.out.display())))?;
-    let camera = camera(args, &drawing, &renderer)?;
+    let renderer = |smooth| {
+        let made = Renderer::new(&drawing.model, width, height, smooth);
+        made.map_err(|error| Failure(format!("{out}: {error}")))
+    };
+    let mut sharp = renderer(true)?;
+    let camera = camera(args, &drawing, &sharp)?;
     spinner.finish_and_clear();
-    let mut picture = |shot: &Shot| drawing.draw(&mut renderer, shot, camera);
     if !film {
-        output::file(&args.out, png(&picture(&drawing.shots[0])?))?;
+        output::file(&args.out, png(&drawing.draw(&mut sharp, &drawing.shots[0], camera)?))?;
         say!("{out}");
         return Ok(());
     }
     let _made = MadeFolders::make(folder_of(&args.out)).map_err(Error::unwritable(&args.out))?;
     let mut film = Film::begin(&args.out, args.size, args.frames_per_second)?;
     let bar = progress::counted("drawing", drawing.shots.len() as u64, "frames");
+    let mut quick = renderer(false)?;
     let mut drawn: Option<(&Shot, Image)> = None;
-    for shot in &drawing.shots {
-        // What stands still is drawn once.
+    for (k, shot) in drawing.shots.iter().enumerate() {
+        // What stands still is drawn once, and sharp; nobody sees the edges of what moves.
         let image = match drawn.take().filter(|(before, _)| *before == shot) {
             Some((_, image)) => image,
-            None => picture(shot)?,
+            None if drawing.shots.get(k + 1) == Some(shot) => drawing.draw(&mut sharp, shot, camera)?,
+            None => drawing.draw(&mut quick, shot, camera)?,
         };
         film.add(&image)?;
         drawn = Some((shot, image));

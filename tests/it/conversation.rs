@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::process::{Command, Stdio};
 
+use crate::common::shell::{copy_models, run};
 use crate::common::{repository, sessions};
 use crate::interaction::{at_table, learned_max};
 use bodyschema::interaction::{Conversation, Intent, Reply};
@@ -171,5 +172,20 @@ fn talk_ends_where_it_is_told_to_and_takes_any_bytes() {
     );
     for key in ["heard", "intent", "said", "done", "asks", "felt"] {
         assert!(replies.iter().all(|reply| reply.get(key).is_some()), "{key}");
+    }
+}
+
+#[test]
+fn a_demonstration_learns_once_and_says_where_to_look() {
+    let place = tempfile::tempdir().unwrap();
+    copy_models(place.path());
+    for (learned, printed) in [("--out sessions/demo", "Learned"), ("is complete", "Goodbye")] {
+        let line = "echo goodbye | bodyschema demo 2>&1";
+        let said = run(place.path(), line);
+        for words in
+            [learned, printed, "sessions/demo/report.html in one yourself", "live at http://127.0.0.1:"]
+        {
+            assert!(said.contains(words), "{words}: {said}");
+        }
     }
 }

@@ -306,7 +306,7 @@ fn a_recording_without_a_model_shows_the_learned_body() {
 #[ignore = "needs OpenGL"]
 fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
     let model = Model::from_xml("<mujoco/>").unwrap();
-    let mut renderer = Renderer::new(&model, 90, 60).unwrap();
+    let mut renderer = Renderer::new(&model, 90, 60, true).unwrap();
     let camera = Camera::Free { lookat: Point3::origin(), distance: 2.0, azimuth: 0.0, elevation: 0.0 };
     let green = [0.0, 1.0, 0.0, 1.0];
     // An eye that looks along x has y to the left.
@@ -333,13 +333,13 @@ fn rows_go_from_the_top_and_marks_are_where_they_are_put() {
     assert!(red.len() > 10 && red.iter().all(|[row, column]| *row < 25 && *column < 40), "{red:?}");
     assert!(green.len() > 10 && green.iter().all(|[row, column]| *row > 35 && *column > 50), "{green:?}");
     assert!(matches!(render(Camera::Fixed(0)), Err(Error::Engine { .. })));
-    assert!(matches!(Renderer::new(&model, 10, 60), Err(Error::Size { .. })));
+    assert!(matches!(Renderer::new(&model, 10, 60, true), Err(Error::Size { .. })));
     // Two in one thread do not disturb each other.
     let again = |renderer: &mut Renderer| {
         let view =
             View { camera, marks: &marks, marks_alone: false, repaint: &|_| None, copies: &[], caption: "" };
         renderer.render(&[], &view).unwrap()
     };
-    drop(Renderer::new(&model, 50, 50).unwrap());
+    drop(Renderer::new(&model, 50, 50, true).unwrap());
     assert_eq!(again(&mut renderer), image);
 }

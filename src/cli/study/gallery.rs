@@ -131,7 +131,7 @@ fn body(model: &Path, seeds: impl Iterator<Item = u64> + Clone, out: &Path) -> V
 
 fn draw(source: &ModelSource, path: &Path) -> Outcome {
     let drawing = model_drawing(source, None)?;
-    let mut renderer = Renderer::new(&drawing.model, PICTURE[0], PICTURE[1])?;
+    let mut renderer = Renderer::new(&drawing.model, PICTURE[0], PICTURE[1], true)?;
     let camera = drawing.camera(&renderer, None, None)?;
     output::file(path, png(&drawing.draw(&mut renderer, &drawing.shots[0], camera)?))
 }

@@ -7,7 +7,7 @@ const Body = (figure) => {
   const NEAR = 9;
   // How long nothing moves until the picture is drawn sharp, milliseconds; and the most pixels of that.
   const REST = 160;
-  // A picture that took longer is drawn coarser the next time, milliseconds; and how many pixels a pixel of the page has then.
+  // A picture that took longer is drawn coarser the next time, milliseconds; and by how many of the screen's pixels.
   const SLOW = 24;
   const QUICK = [1, 0.8, 0.65, 0.5];
   const MOST_PIXELS = 3e6;
@@ -167,7 +167,7 @@ const Body = (figure) => {
   const moving = () => {
     clearTimeout(resting);
     const began = performance.now();
-    draw(QUICK[coarse]);
+    draw(QUICK[coarse] * devicePixelRatio);
     const took = performance.now() - began;
     coarse = Math.min(QUICK.length - 1, Math.max(0, coarse + (took > SLOW) - (took < SLOW / 3)));
     resting = setTimeout(sharp, REST + 2 * took);

@@ -30,6 +30,8 @@ const END: f64 = 1.5;
 const FIRING: [f32; 4] = [1.0, 0.45, 0.0, 1.0];
 const POINT: [f32; 4] = [0.95, 0.0, 0.0, 1.0];
 const GLOW: [f32; 4] = [1.0, 0.25, 0.0, 0.3];
+/// The longest motion of a film that nobody sees, by the size of the body, about a quarter of a pixel; and the same, radians.
+const UNSEEN: f64 = 3e-4;
 /// Radii of the point and of its glow, and how thick a receptor is, by the size of the body.
 const POINT_RADIUS: f64 = 0.012;
 const GLOW_RADIUS: f64 = 0.03;
@@ -110,10 +112,18 @@ impl<'a> SessionDrawing<'a> {
         let mut shots: Vec<Shot> = still(first, GUESS).collect();
         for pair in checkpoints.windows(2) {
             let (from, to) = (body(&pair[0]), body(&pair[1]));
-            shots.extend(self.shares(STEP).map(|share| shot(between(&from, &to, share), &pair[0])));
+            let moves = from.iter().zip(&to).any(|(from, to)| self.is_seen(&from.pose, &to.pose));
+            let at = |share| if moves { between(&from, &to, share) } else { from.clone() };
+            shots.extend(self.shares(STEP).map(|share| shot(at(share), &pair[0])));
         }
         shots.extend(still(last, END));
         shots
+    }
+
+    /// Whether anybody sees in a film that a geom moves from one pose to another.
+    fn is_seen(&self, from: &Isometry3<f64>, to: &Isometry3<f64>) -> bool {
+        let moved = (from.translation.vector - to.translation.vector).norm();
+        moved > UNSEEN * self.size || from.rotation.angle_to(&to.rotation) > UNSEEN
     }
 
     /// The number of pictures of some seconds, at least one.

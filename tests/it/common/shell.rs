@@ -47,6 +47,7 @@ impl Line {
         if !self.slow {
             let begun = Instant::now();
             if self.text.starts_with("bodyschema view")
+                || self.text == "bodyschema demo"
                 || self.text.starts_with("bodyschema talk") && self.text.ends_with("--live")
             {
                 // It serves until it is ended.
@@ -70,6 +71,10 @@ fn shell(folder: &Path, line: &str) -> Command {
     shell.args(["-o", "pipefail", "-c", line]).current_dir(folder).env("PATH", path).stdin(Stdio::null());
     // What is installed for a user goes into the folder, too.
     shell.env("HOME", folder);
+    // Nobody sits before a browser.
+    for display in ["DISPLAY", "WAYLAND_DISPLAY", "BROWSER"] {
+        shell.env_remove(display);
+    }
     shell
 }
 
