@@ -266,7 +266,7 @@ pub fn touch_misses(agent: &Agent, schema: &BodySchema, touches: &[RecordedTouch
 }
 
 /// The same of one touch.
-pub(super) fn touch_miss(agent: &Agent, schema: &BodySchema, touch: &RecordedTouch) -> f64 {
+fn touch_miss(agent: &Agent, schema: &BodySchema, touch: &RecordedTouch) -> f64 {
     let frames = limb_frames(agent.creature(), schema, &touch.posture);
     let (limbs, points) = (touch.limbs(agent.skin()), touch.exact_contact().points);
     let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&points[k]));

@@ -9,7 +9,6 @@ mod map_agreement;
 mod measures;
 mod own_account;
 mod progress;
-mod residuals;
 
 pub use map_agreement::MapAgreement;
 pub use measures::{
@@ -19,7 +18,6 @@ pub use measures::{
 
 pub use own_account::OwnAccount;
 pub use progress::Progress;
-pub use residuals::ContactResiduals;
 use serde::{Deserialize, Serialize};
 
 use crate::agent::Agent;

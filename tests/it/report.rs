@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, JointSelection};
-use bodyschema::evaluation::{ContactResiduals, Evaluation, evaluate};
+use bodyschema::evaluation::{Evaluation, Summary, evaluate, touch_misses};
 use bodyschema::ground_truth::GroundTruth;
-use bodyschema::learning::Input;
 use bodyschema::mujoco::Model;
 use bodyschema::senses::{ExactContact, RecordedTouch, Touch, TouchEnd};
 use bodyschema::session::{Checkpoint, LearningRecord};
@@ -42,7 +41,7 @@ struct Session {
     agent: Agent,
     truth: GroundTruth,
     evaluation: Evaluation,
-    residuals: ContactResiduals,
+    residual: Summary,
     touches: Vec<RecordedTouch>,
     record: LearningRecord,
 }
@@ -63,7 +62,7 @@ impl Session {
             RecordedTouch::new(Touch { bout: 0, motion: 1, posture, ends, moment: None }, contact)
         };
         let touches = vec![touch("chest", "l"), touch("chest", "l"), touch("l", "r")];
-        let residuals = ContactResiduals::new(&agent, &truth.schema, Input::Receptor, &touches);
+        let residual = touch_misses(&agent, &truth.schema, &touches);
         let checkpoint = |touches: usize, error: f64| Checkpoint {
             touches,
             schema: truth.schema.clone(),
@@ -78,7 +77,7 @@ impl Session {
             checkpoints,
             ..LearningRecord::default()
         };
-        Session { agent, truth, evaluation, residuals, touches, record }
+        Session { agent, truth, evaluation, residual, touches, record }
     }
 
     fn input(&self) -> ReportInput<'_> {
@@ -89,7 +88,7 @@ impl Session {
             truth: Some(&self.truth),
             evaluation: Some(&self.evaluation),
             touches: &self.touches,
-            residuals: &self.residuals,
+            residual: self.residual,
             record: &self.record,
             predictions: &[],
             space: None,

@@ -64,6 +64,7 @@ const Body = (figure) => {
   const maps = scene.maps.map((own) => ({ ...own, shown: false }));
   const skin = layers.find(({ look }) => look === "receptors");
   let values = scene.values;
+  let lit = new Set();
   let seen = null;
   let draws = 0;
 
@@ -147,7 +148,7 @@ const Body = (figure) => {
     if (canvas.clientWidth === 0) return;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
     const camera = cameraOf(view, width, height);
-    seen = { ...paint(context, camera, width, height, values), ratio };
+    seen = { ...paint(context, camera, width, height, values, lit), ratio };
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     context.putImageData(seen.image, 0, 0);
     for (const own of auras) if (own.shown && poses[own.poses]) aura(own, camera, ratio);
@@ -219,7 +220,8 @@ const Body = (figure) => {
     const at = placeOf(event);
     tip.textContent = seen ? words(at) : "";
     tip.hidden = !tip.textContent;
-    tip.style.left = `${Math.min(at[0] + 12, canvas.clientWidth - tip.offsetWidth - 4)}px`;
+    tip.style.left = "0";
+    tip.style.left = `${Math.max(4, Math.min(at[0] + 12, canvas.clientWidth - tip.offsetWidth - 4))}px`;
     tip.style.top = `${at[1] + 16}px`;
   };
 
@@ -234,6 +236,7 @@ const Body = (figure) => {
   };
   let held = null;
   let clicked = () => {};
+  let limbClicked = () => {};
   canvas.addEventListener("pointerdown", (event) => {
     held = { x: event.clientX, y: event.clientY, moved: 0 };
     canvas.setPointerCapture(event.pointerId);
@@ -249,9 +252,14 @@ const Body = (figure) => {
     if (held.moved > CLICK) turn(dx, dy);
   });
   canvas.addEventListener("pointerup", (event) => {
-    const receptor = held && held.moved <= CLICK && seen ? receptorAt(placeOf(event)) : NOBODY;
+    const clicks = held && held.moved <= CLICK && seen;
     held = null;
+    if (!clicks) return;
+    const receptor = receptorAt(placeOf(event));
     if (receptor !== NOBODY) clicked(receptor);
+    const there = shownAt(placeOf(event));
+    limbClicked(there ? there.layer.mesh.limbs[there.piece] : null);
+    tell(event);
   });
   canvas.addEventListener("pointercancel", () => { held = null; });
   canvas.addEventListener("pointerleave", () => { tip.hidden = true; });
@@ -352,6 +360,13 @@ const Body = (figure) => {
       soon();
     },
     onReceptor(listener) { clicked = listener; },
+    // The limb that is clicked; null where there is none.
+    onLimb(listener) { limbClicked = listener; },
+    limbs: scene.limbs,
+    light(limbs) {
+      lit = new Set(limbs);
+      soon();
+    },
     whereIs: (receptor) => (seen ? whereIs(receptor) : null),
     turn,
     poses,

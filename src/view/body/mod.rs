@@ -8,6 +8,7 @@ mod mesh;
 mod pose;
 mod senses;
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use nalgebra::Vector3;
@@ -19,9 +20,11 @@ use mesh::Topology;
 pub(super) use pose::Pose;
 pub(super) use senses::{AURAS, MAP};
 
-use super::text::{escape, harmless};
+use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
-use crate::creature::Appearance;
+use crate::creature::{Appearance, Creature};
+use crate::learning::Account;
+use crate::named::in_words;
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -53,6 +56,33 @@ fn point(p: &Vector3<f64>) -> [i64; 3] {
 fn on_limb(limb: usize, p: &Vector3<f64>) -> [i64; 4] {
     let [x, y, z] = point(p);
     [limb as i64, x, y, z]
+}
+
+/// How well a limb is located by an account of held-out touches, in a sentence.
+pub(super) fn certainty(creature: &Creature, account: Option<&Account>, limb: usize) -> String {
+    let name = in_words(&creature.limbs()[limb]);
+    let Some(account) = account else {
+        return format!("{name}: not located, no held-out touches confirm the schema");
+    };
+    let bounds = account.distance_to_most(limb).filter(|[_, worst]| worst.is_finite());
+    match (account.openness(creature, limb), bounds) {
+        (Some(why), _) => format!("{name}: not located, {}", why.words(creature)),
+        (None, Some(bounds)) => {
+            let [best, worst] = bounds.map(|metres| error_number(1e3 * metres));
+            format!("{name}: located to within {best} to {worst} mm (95 %), depending on the reference limb")
+        }
+        (None, None) => format!("{name}: no skin to locate"),
+    }
+}
+
+/// The limbs that a page may mean by a name: of a limb, of an aura's part of the body, or of a joint the limb beyond it.
+fn limbs_by_name(creature: &Creature) -> BTreeMap<String, Vec<usize>> {
+    let auras = creature.aura_limbs().iter().map(|aura| (in_words(&aura.name), aura.limbs.clone()));
+    let joints = creature.joints().iter().zip(1..).map(|(joint, limb)| (joint.name.clone(), vec![limb]));
+    let limbs = creature.limbs().iter().enumerate();
+    let limbs = limbs.flat_map(|(limb, name)| [name.clone(), in_words(name)].map(|name| (name, vec![limb])));
+    // An aura is called after the limb that it is about, and may be about more.
+    joints.chain(limbs).chain(auras).collect()
 }
 
 /// How a layer looks.
@@ -152,6 +182,8 @@ pub(super) struct BodyScene {
     pub poses: Vec<(&'static str, Pose)>,
     /// Per receptor how much it is touched, 0 to 1.
     pub values: Vec<f64>,
+    /// What names of limbs in the page stand for.
+    pub limbs: BTreeMap<String, Vec<usize>>,
     /// What a slider goes through.
     pub steps: Vec<Step>,
     /// What stands beside the picture, where it is as high as it is wide times this: HTML above its switches.
@@ -177,6 +209,7 @@ impl BodyScene {
         let mut scene = BodyScene {
             auras: vec![senses::auras(agent, schema, open, poses)],
             hidden: vec![JOINTS, TRUE_JOINTS, AURAS, MAP],
+            limbs: limbs_by_name(agent.creature()),
             ..BodyScene::default()
         };
         scene.add("limbs", poses, skin, appearance);
@@ -218,6 +251,11 @@ impl BodyScene {
             layer.painted.push(known.unwrap_or(layer.palette.len()));
             layer.palette.extend(known.is_none().then_some(colour));
         }
+    }
+
+    /// Says of each limb what there is to say, where it is pointed at.
+    pub fn tell_of_limbs(&mut self, words: impl Fn(usize) -> String) {
+        self.layers[0].labels = self.meshes[0].pieces.iter().map(|piece| words(piece.limb)).collect();
     }
 
     /// Adds the receptors of a skin, each with what it is called.
@@ -299,6 +337,7 @@ impl BodyScene {
             "poses": poses,
             "values": self.values.iter().map(|value| (value * 1e3).round() / 1e3).collect::<Vec<_>>(),
             "steps": steps,
+            "limbs": self.limbs,
             "room": self.room.map(|corner| point(&corner)),
         })
         .to_string()

@@ -23,6 +23,7 @@ const Paint = (scene, poses) => {
   // Receptors, by values from 0 to 1: red, green and blue.
   const SCALE = [[0, 147, 161, 173], [0.25, 246, 213, 115], [0.55, 242, 142, 60], [0.8, 215, 48, 31], [1, 127, 0, 24]];
   const VALUES = 48;
+  const LAMP = 0.5;
   const NOTHING = -1;
   // So much nearer than they are receptors are drawn, metres: cloth lies on the skin.
   const ON_CLOTH = 0.012;
@@ -47,6 +48,9 @@ const Paint = (scene, poses) => {
     return start.map((x, i) => x + ((value - from) / (to - from)) * (end[i] - x));
   };
   const scale = Array.from({ length: VALUES + 1 }, (_, k) => shades(between(k / VALUES)));
+
+  // A limb that is pointed at elsewhere in the page.
+  const lamp = shades(between(LAMP));
 
   // Corners and triangles of a mesh: in round pieces, neighbouring triangles share corners and so their light.
   const unpacked = (pieces) => {
@@ -76,7 +80,7 @@ const Paint = (scene, poses) => {
     }
     const parts = 1 + part.reduce((most, p) => Math.max(most, p), 0);
     const lists = { part: Uint16Array.from(part), local: Float32Array.from(local), faces: Uint32Array.from(faces) };
-    return { ...lists, of: Uint16Array.from(of), normals, parts, pieces: pieces.length };
+    return { ...lists, of: Uint16Array.from(of), normals, parts, pieces: pieces.length, limbs: pieces.map(([, limb]) => limb) };
   };
   const meshes = scene.meshes.map(unpacked);
 
@@ -157,8 +161,8 @@ const Paint = (scene, poses) => {
   };
 
   // Fills the triangles of a layer that face who looks, row by row, nearest pixels kept.
-  const fill = (layer, { width, height, pixels, depth, shown }, values) => {
-    const { mesh: { faces, of }, at: [xs, ys, zs, ls], first } = layer;
+  const fill = (layer, { width, height, pixels, depth, shown }, values, lit) => {
+    const { mesh: { faces, of, limbs }, at: [xs, ys, zs, ls], first } = layer;
     const under = layer.look === "ghost";
     for (let f = 0, t = 0; f < faces.length; f += 3, t += 1) {
       const a = faces[f], b = faces[f + 1], c = faces[f + 2];
@@ -176,7 +180,8 @@ const Paint = (scene, poses) => {
       const id = first + of[t];
       // What feels nothing is there to be pointed at, and not seen.
       const unseen = layer.lit_alone && !(values[of[t]] > 0);
-      const lut = layer.luts?.[layer.painted[of[t]]] || layer.lut || scale[Math.round(Math.min(Math.max(values[of[t]] || 0, 0), 1) * VALUES)];
+      const lights = layer.look === "solid" && lit.has(limbs[of[t]]);
+      const lut = (lights && lamp) || layer.luts?.[layer.painted[of[t]]] || layer.lut || scale[Math.round(Math.min(Math.max(values[of[t]] || 0, 0), 1) * VALUES)];
       for (let y = top; y <= bottom; y += 1) {
         const row = y + 0.5;
         let left = Infinity, right = -Infinity;
@@ -238,12 +243,12 @@ const Paint = (scene, poses) => {
     cameraOf,
     point: (list, k) => numbersAt(list, 3 * k, 3),
     // A picture of all layers that are shown.
-    paint(context, camera, width, height, values) {
+    paint(context, camera, width, height, values, lit) {
       const picture = cleared(context, width, height);
       for (const layer of layers) {
         if (!layer.shown || !poses[layer.poses]) continue;
         place(layer, camera);
-        fill(layer, picture, values);
+        fill(layer, picture, values, lit);
       }
       outline(picture, STEP * camera.scales[0]);
       return picture;

@@ -13,8 +13,8 @@ use crate::named::in_words;
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
 use crate::session::same_tree;
-use crate::view::body::{BodyScene, Pose};
-use crate::view::text::{error_number, escape};
+use crate::view::body::{BodyScene, Pose, certainty};
+use crate::view::text::escape;
 use crate::view::tone::Tone;
 
 /// How far apart two bodies stand by how far both extend.
@@ -128,24 +128,10 @@ impl LookingView {
     /// What is known of a limb, in a sentence.
     fn certainty(looked: &LookedAt, limb: usize) -> String {
         let creature = looked.agent.creature();
-        let name = in_words(&creature.limbs()[limb]);
-        let account = match &looked.certainty {
-            Certainty::Exact => return name,
-            Certainty::Unknown => {
-                return format!("{name}: not located, no held-out touches confirm the schema");
-            }
-            Certainty::Estimated(account) => account,
-        };
-        let bounds = account.distance_to_most(limb).filter(|[_, worst]| worst.is_finite());
-        match (account.openness(creature, limb), bounds) {
-            (Some(why), _) => format!("{name}: not located, {}", why.words(creature)),
-            (None, Some(bounds)) => {
-                let [best, worst] = bounds.map(|metres| error_number(1e3 * metres));
-                format!(
-                    "{name}: located to within {best} to {worst} mm (95 %), depending on the reference limb"
-                )
-            }
-            (None, None) => format!("{name}: no skin to locate"),
+        match &looked.certainty {
+            Certainty::Exact => in_words(&creature.limbs()[limb]),
+            Certainty::Unknown => certainty(creature, None, limb),
+            Certainty::Estimated(account) => certainty(creature, Some(account), limb),
         }
     }
 

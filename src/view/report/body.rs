@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::ReportInput;
 use crate::session::Checkpoint;
 use crate::skin::{Receptor, Skin};
-use crate::view::body::{AURAS, Beside, BodyScene, MAP, Pose, Step};
+use crate::view::body::{AURAS, Beside, BodyScene, MAP, Pose, Step, certainty};
 use crate::view::text::plural;
 
 /// Most steps of the slider, …
@@ -28,6 +28,8 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let (agent, creature) = (input.agent, input.agent.creature());
     let appearance = input.truth.map(|truth| &truth.appearance);
     let mut scene = BodyScene::of_body(agent, input.schema, input.undetermined, appearance, "learned");
+    let account = input.record.reliable_account();
+    scene.tell_of_limbs(|limb| certainty(creature, account, limb));
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
@@ -67,8 +69,9 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     });
     let over = if input.truth.is_some() { " over the true one (grey)" } else { "" };
     let caption = format!(
-        "The learned body{over}, in the rest posture. Drag or use the arrow keys to rotate; Ctrl and the wheel \
-         zoom. Receptors{} are coloured by their number of touches; orange joints are not determined by the \
+        "The learned body{over}, in the rest posture. Point at a limb to see how well it is located; click it to pick it \
+         out in the charts and tables, whose rows and cells light up their limbs here. Drag or use the arrow keys to \
+         rotate; Ctrl and the wheel zoom. Receptors{} are coloured by their number of touches; orange joints are not determined by the \
          touches.{}{}",
         if bare { "" } else { ", once switched on," },
         if left_out > 0 {

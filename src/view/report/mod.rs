@@ -7,15 +7,13 @@ mod body;
 pub mod calibration;
 mod curve;
 mod headline;
-mod joint_errors;
 mod reachable;
-mod residuals;
 mod session;
 mod tables;
 mod touch_matrix;
 
 use crate::agent::Agent;
-use crate::evaluation::{ContactResiduals, Evaluation};
+use crate::evaluation::{Evaluation, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::RecordedTouch;
@@ -43,8 +41,8 @@ pub struct ReportInput<'a> {
     pub evaluation: Option<&'a Evaluation>,
     /// The touches that were learned from.
     pub touches: &'a [RecordedTouch],
-    /// How far apart the schema puts what touched.
-    pub residuals: &'a ContactResiduals,
+    /// How far apart the schema puts what touched, millimetres.
+    pub residual: Summary,
     /// What learning came to; its checkpoints and its account must fit the creature.
     pub record: &'a LearningRecord,
     /// The rows of the table of learning, which have what the learner predicted of touches.
@@ -77,8 +75,6 @@ const SECTIONS: &[Section] = &[
     ("Learning curve", curve::figure_of),
     ("Touches by pair of limbs", touch_matrix::figure_of),
     ("Reachable workspace", reachable::figure_of),
-    ("Error per joint", joint_errors::figure_of),
-    ("Residuals", residuals::figure_of),
     ("Joint by joint", tables::joints),
     ("Settings", tables::facts),
 ];

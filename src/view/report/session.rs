@@ -4,12 +4,11 @@ use std::path::Path;
 
 use super::{ReportInput, html};
 use crate::error::Error;
-use crate::evaluation::{ContactResiduals, Evaluation, evaluate_claims};
+use crate::evaluation::{Evaluation, evaluate_claims, touch_misses};
 use crate::ground_truth::GroundTruth;
 use crate::senses::RecordedTouch;
 use crate::session::{
-    LearningOptions, LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_learning_table,
-    read_schema_with_std, write_whole,
+    LearningRecord, SCHEMA_FILE, Session, SpaceRecord, read_learning_table, read_schema_with_std, write_whole,
 };
 use crate::view::text::shell_words;
 
@@ -42,10 +41,6 @@ pub fn write_report(
         let evaluation = evaluate_claims(agent, truth, &schema, record.reliable_account());
         Evaluation { bound_mm: record.bound, ..evaluation }
     });
-    let recorded = LearningOptions::default().for_session(session)?.input();
-    let asked = session.options.input.as_deref().and_then(|input| input.parse().ok());
-    let input = asked.unwrap_or(recorded);
-    let residuals = ContactResiduals::new(agent, &schema, input, touches);
     let predictions = read_learning_table(folder)?;
     let space = SpaceRecord::read(folder)?;
     let report = ReportInput {
@@ -55,7 +50,7 @@ pub fn write_report(
         truth,
         evaluation: evaluation.as_ref(),
         touches,
-        residuals: &residuals,
+        residual: touch_misses(agent, &schema, touches),
         record,
         predictions: &predictions,
         space: space.as_ref(),

@@ -63,19 +63,21 @@ pub fn error_rows(evaluation: &Evaluation) -> Vec<(&'static str, &'static str, S
     rows.into_iter().filter_map(|(name, unit, summary)| Some((name, unit, summary?))).collect()
 }
 
-/// The error measures.
+/// The error measures, where the truth is known, and the contact residual.
 pub(super) fn errors(input: &ReportInput) -> String {
+    let residual = ("contact residual of all touches", "mm", input.residual);
+    let rows = input.evaluation.map_or(Vec::new(), error_rows);
+    let table = summaries(rows.into_iter().chain([residual])).html("errors");
     let Some(evaluation) = input.evaluation else {
-        return "<p>The true body is not known, so no errors could be measured.</p>\n".into();
+        return format!(
+            "{table}<p class=\"note\">The true body is not known, so no other errors could be measured.</p>\n"
+        );
     };
-    let bound = evaluation
-        .bound_mm
-        .as_ref()
-        .map_or(String::new(), |bound| format!(" The {}.", bound_in_words(bound)));
+    let bound = evaluation.bound_mm.as_ref();
+    let bound = bound.map_or(String::new(), |bound| format!(" The {}.", bound_in_words(bound)));
     format!(
-        "{}<p class=\"note\">Surface positions are compared at random postures that were not babbled. 95 % of the \
+        "{table}<p class=\"note\">Surface positions are compared at random postures that were not babbled. 95 % of the \
          errors are at most the value in the 95 % column.{}</p>\n",
-        summaries(error_rows(evaluation)).html("errors"),
         escape(&bound)
     )
 }
