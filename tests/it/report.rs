@@ -191,9 +191,10 @@ fn the_joints_are_told_with_their_touches_and_errors() {
 fn the_errors_are_told_in_their_units() {
     let page = parse(&report::html(&Session::new().input()));
     let rows = rows(&page, "errors");
-    assert_eq!(rows.len(), 5, "a head and four measures: this creature has no hands");
+    assert_eq!(rows.len(), 6, "a head, four measures and the residual: this creature has no hands");
     assert_eq!(rows[1][1..], ["mm", "0.000", "0.000", "0.000", "0.000"]);
     assert_eq!(rows[3][1], "°");
+    assert_eq!(rows[5][..2], ["contact residual of all touches", "mm"]);
 }
 
 #[test]
