@@ -55,6 +55,8 @@ pub const HOPELESS: f64 = 2.0;
 /// When annealing ends.
 #[derive(Clone, Copy, Debug)]
 pub struct AnnealingLimits {
+    /// The greatest deviation of the gap, metres: narrow ones find answers among false touches, wide ones from farther away.
+    pub widest: f64,
     /// The least deviation of the gap, metres.
     pub narrowest: f64,
     /// The moment at which it ends wherever it is.
@@ -65,7 +67,7 @@ pub struct AnnealingLimits {
 
 impl Default for AnnealingLimits {
     fn default() -> AnnealingLimits {
-        AnnealingLimits { narrowest: NARROWEST, deadline: Deadline::Never, exact: false }
+        AnnealingLimits { widest: WIDEST, narrowest: NARROWEST, deadline: Deadline::Never, exact: false }
     }
 }
 
@@ -154,7 +156,7 @@ pub fn anneal_to(
     prior: &dyn PriorTerm,
     start: BodySchema,
 ) -> Annealed {
-    let AnnealingLimits { narrowest, deadline, exact } = limits;
+    let AnnealingLimits { widest, narrowest, deadline, exact } = limits;
     let skin = agent.skin();
     let fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
         let model = SurfaceGap::new(skin, deviation);
@@ -175,7 +177,7 @@ pub fn anneal_to(
     let (mut noise, mut wide) = measure(&start);
     let (mut least, mut best) = (noise, start.clone());
     let mut schema = start;
-    let mut deviation = (2.0 * wide).clamp(narrowest, WIDEST);
+    let mut deviation = (2.0 * wide).clamp(narrowest, widest);
     let mut vain = 0;
     loop {
         schema = fit(
@@ -201,12 +203,12 @@ pub fn anneal_to(
         }
         deviation = (1.5 * wide).min(COOLING * deviation).max(0.25 * deviation).max(narrowest);
     }
-    let mut deviation = least.clamp(narrowest, WIDEST);
+    let mut deviation = least.clamp(narrowest, widest);
     let last = Stopping { iterations: LAST_ITERATIONS, relative_cost: 1e-6, cost: 0.0, deadline };
     schema = fit(best, deviation, last);
     let (again, _) = measure(&schema);
     if again.max(narrowest) > 1.2 * deviation {
-        deviation = again.clamp(narrowest, WIDEST);
+        deviation = again.clamp(narrowest, widest);
         schema = fit(schema, deviation, last);
     }
     annealed(schema, deviation)

@@ -332,7 +332,7 @@ impl Nursery<'_> {
             AxisModel::Relaxed => RELAXED_GAPS[self.turn % 2 + 2 * (self.turn / 4 % 2)],
             AxisModel::Unit => NARROWEST,
         };
-        let limits = AnnealingLimits { narrowest, deadline: self.deadline, exact: false };
+        let limits = AnnealingLimits { narrowest, deadline: self.deadline, ..AnnealingLimits::default() };
         let annealed = anneal_to(limits, self.agent, touches, parameters, self.prior, start);
         let mut schema = annealed.schema;
         schema.normalize_axes(self.agent.creature());

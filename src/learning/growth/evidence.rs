@@ -61,17 +61,18 @@ impl Growth {
         along.map(equation).collect()
     }
 
-    /// The answer that is nearest to a schema; surfaces are closed no narrower than to `narrowest`, metres.
+    /// The answer that is nearest to a schema; surfaces are closed from deviations no wider than `widest` to none narrower than
+    /// `narrowest`, metres.
     pub(super) fn closest(
         &self,
-        narrowest: f64,
+        [widest, narrowest]: [f64; 2],
         touches: &TouchSet,
         parameters: &Parameters,
         prior: &dyn PriorTerm,
         schema: BodySchema,
     ) -> BodySchema {
         if !self.by_points() {
-            let limits = AnnealingLimits { narrowest, deadline: self.deadline, exact: true };
+            let limits = AnnealingLimits { widest, narrowest, deadline: self.deadline, exact: true };
             return anneal_to(limits, &self.agent, touches, parameters, prior, schema).schema;
         }
         let stopping =

@@ -364,8 +364,9 @@ impl Growth {
         })
     }
 
-    /// The sets of joints that moved in touches; those with too few unknowns together with others that share joints with
-    /// them, those with most touches first.
+    /// The sets of joints that moved in touches, alone and with each other one that shares joints with it: touches between two
+    /// limbs alone may have a wrong answer near the right one. Those with too few unknowns together with others, those with most
+    /// touches first.
     fn first_sets(&self) -> BTreeSet<Vec<usize>> {
         let all: Vec<usize> = (0..self.resolved.len()).collect();
         let fewest = FEWEST_UNKNOWNS.min(self.width(&all) / 2);
@@ -390,7 +391,19 @@ impl Growth {
                 }
             }
         };
-        moved.keys().filter_map(widened).collect()
+        let mut sets: BTreeSet<Vec<usize>> = moved.keys().filter_map(widened).collect();
+        for set in moved.keys() {
+            for other in
+                moved.keys().filter(|other| *other > set && other.iter().any(|joint| set.contains(joint)))
+            {
+                let both: BTreeSet<usize> = set.iter().chain(other).copied().collect();
+                let both: Vec<usize> = both.into_iter().collect();
+                if (fewest..=FIRST_WIDTH as usize).contains(&self.width(&both)) {
+                    sets.insert(both);
+                }
+            }
+        }
+        sets
     }
 
     /// Solves a part and takes it in where it stands.

@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
 use crate::deadline::in_parallel;
-use crate::learning::annealing::{HOPELESS, POINT_FITS, meet, usual_miss};
+use crate::learning::annealing::{HOPELESS, POINT_FITS, WIDEST, meet, usual_miss};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::Linearization;
 use crate::learning::online::Anchor;
@@ -38,9 +38,10 @@ const AT_ONCE: usize = 4;
 const OFTEN_DRAWN: f64 = 0.7;
 /// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
 const MOST_NEAR: usize = 16;
-/// Deviations of the gap, metres, down to which axes stay relaxed: joints that turn little are caught in one wrong minimum
-/// or another, and which depends on this.
-const RELAXED_GAPS: [f64; 2] = [3e-3, 0.02];
+/// Deviations of the gap, metres, from which surfaces are closed, and down to which axes stay relaxed: joints that turn little are
+/// caught in one wrong minimum or another, and which depends on this; among false touches only narrow ones find the answer.
+const RELAXED_GAPS: [[f64; 2]; 4] =
+    [[WIDEST, 3e-3], [WIDEST, WIDEST], [0.5 * WIDEST, 3e-3], [0.5 * WIDEST, 0.5 * WIDEST]];
 /// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
 const AGREEING: usize = 4;
 const SMALL: usize = 45;
@@ -155,7 +156,7 @@ impl Growth {
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
             let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
             // What comes again and again is the best that chance finds.
-            let drawn = self.belief.is_some() || most > OFTEN_DRAWN;
+            let drawn = most > if self.belief.is_some() { 0.0 } else { OFTEN_DRAWN };
             let again = drawn && solved.iter().filter(as_good).count() >= AGREEING;
             // Where an answer is among those whose points nearly meet, it is one in three.
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
@@ -172,7 +173,7 @@ impl Growth {
             solved.into_iter().filter(|other| other.exact > as_well && other.given_up == best.given_up);
         best.others = good.map(|other| other.schema).collect();
         if let Some(known) = &problem.known {
-            best.schema = self.carried(known, &best.schema);
+            best.schema = self.carried(problem, known, &best.schema);
         }
         Some(best)
     }
@@ -316,15 +317,16 @@ impl Growth {
         self.closed(problem, schema, number)
     }
 
-    /// The answer that closes the surfaces from a schema that is near; starts differ in how long axes stay relaxed.
+    /// The answer that closes the surfaces from a schema that is near; starts differ in how wide gaps are at first, and in how long
+    /// axes stay relaxed.
     fn closed(&self, problem: &PartProblem, mut schema: BodySchema, number: usize) -> Solved {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
         let beliefs = problem.beliefs();
-        let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()];
-        schema = self.closest(narrowest, touches, relaxed, &beliefs, schema);
+        let [widest, narrowest] = RELAXED_GAPS[number % RELAXED_GAPS.len()];
+        schema = self.closest([widest, narrowest], touches, relaxed, &beliefs, schema);
         schema.normalize_axes(creature);
-        schema = self.closest(SHARP, touches, unit, &beliefs, schema);
+        schema = self.closest([widest, SHARP], touches, unit, &beliefs, schema);
         self.without_open(problem, schema)
     }
 
@@ -361,14 +363,14 @@ impl Growth {
             given_up.push(worst);
             numbers.retain(|&number| !self.touches[number].told.tells_of(worst));
             let touches = self.set(numbers.iter().map(|&number| &self.touches[number]));
-            schema = self.closest(SHARP, &touches, unit, &beliefs, schema);
+            schema = self.closest([WIDEST, SHARP], &touches, unit, &beliefs, schema);
         }
     }
 
     /// The answer that is nearest to a schema.
     pub(super) fn closed_from(&self, problem: &PartProblem, schema: BodySchema) -> BodySchema {
         let beliefs = problem.beliefs();
-        self.closest(SHARP, &problem.touches, &problem.unit, &beliefs, schema)
+        self.closest([WIDEST, SHARP], &problem.touches, &problem.unit, &beliefs, schema)
     }
 
     /// An initial guess of a body of which nothing is known.
@@ -421,8 +423,9 @@ impl Growth {
         (open, self.scrutiny().most_suspect(told, wrong))
     }
 
-    /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean.
-    fn carried(&self, known: &Anchor, schema: &BodySchema) -> BodySchema {
+    /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean. What its touches
+    /// tell of stays as it was solved, also what was held: they would open.
+    fn carried(&self, problem: &PartProblem, known: &Anchor, schema: &BodySchema) -> BodySchema {
         let Some(belief) = &self.belief else { return schema.clone() };
         let places = known.parameters.places_in(&belief.parameters);
         let pull = &known.information * known.difference(schema);
@@ -430,7 +433,9 @@ impl Growth {
         for &(from, to) in &places {
             step.axpy(pull[from], &belief.covariance.column(to), 1.0);
         }
-        places.iter().for_each(|&(_, to)| step[to] = 0.0);
+        let told = |joint: usize| problem.between[joint];
+        let told = Parameters::of(self.agent.creature(), AxisModel::Unit, told, |joint, _| told(joint));
+        told.places_in(&belief.parameters).iter().for_each(|&(_, to)| step[to] = 0.0);
         belief.parameters.step(schema, &step)
     }
 }
