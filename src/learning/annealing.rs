@@ -52,7 +52,7 @@ const LEAST_WIDTH: f64 = 3.0;
 /// most wrong ones 2.2 and more.
 pub const HOPELESS: f64 = 2.0;
 
-/// When annealing ends.
+/// How wide annealing begins, and when it ends.
 #[derive(Clone, Copy, Debug)]
 pub struct AnnealingLimits {
     /// The greatest deviation of the gap, metres: narrow ones find answers among false touches, wide ones from farther away.

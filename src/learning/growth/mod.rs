@@ -391,19 +391,14 @@ impl Growth {
                 }
             }
         };
-        let mut sets: BTreeSet<Vec<usize>> = moved.keys().filter_map(widened).collect();
-        for set in moved.keys() {
-            for other in
-                moved.keys().filter(|other| *other > set && other.iter().any(|joint| set.contains(joint)))
-            {
-                let both: BTreeSet<usize> = set.iter().chain(other).copied().collect();
-                let both: Vec<usize> = both.into_iter().collect();
-                if (fewest..=FIRST_WIDTH as usize).contains(&self.width(&both)) {
-                    sets.insert(both);
-                }
-            }
-        }
-        sets
+        let with_others = moved.keys().flat_map(|set| {
+            let share = |other: &&Vec<usize>| other.iter().any(|joint| set.contains(joint));
+            let others = moved.keys().filter(move |other| *other > set).filter(share);
+            let both = |other| -> BTreeSet<usize> { set.iter().chain(other).copied().collect() };
+            others.map(both).map(|both| both.into_iter().collect())
+        });
+        let solvable = |both: &Vec<usize>| (fewest..=FIRST_WIDTH as usize).contains(&self.width(both));
+        moved.keys().filter_map(widened).chain(with_others.filter(solvable)).collect()
     }
 
     /// Solves a part and takes it in where it stands.

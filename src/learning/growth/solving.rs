@@ -172,9 +172,7 @@ impl Growth {
         let good =
             solved.into_iter().filter(|other| other.exact > as_well && other.given_up == best.given_up);
         best.others = good.map(|other| other.schema).collect();
-        if let Some(known) = &problem.known {
-            best.schema = self.carried(problem, known, &best.schema);
-        }
+        best.schema = self.carried(problem, &best.schema);
         Some(best)
     }
 
@@ -425,8 +423,8 @@ impl Growth {
 
     /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean. What its touches
     /// tell of stays as it was solved, also what was held: they would open.
-    fn carried(&self, problem: &PartProblem, known: &Anchor, schema: &BodySchema) -> BodySchema {
-        let Some(belief) = &self.belief else { return schema.clone() };
+    fn carried(&self, problem: &PartProblem, schema: &BodySchema) -> BodySchema {
+        let (Some(belief), Some(known)) = (&self.belief, &problem.known) else { return schema.clone() };
         let places = known.parameters.places_in(&belief.parameters);
         let pull = &known.information * known.difference(schema);
         let mut step = DVector::zeros(belief.parameters.len());

@@ -23,6 +23,7 @@ const Paint = (scene, poses) => {
   // Receptors, by values from 0 to 1: red, green and blue.
   const SCALE = [[0, 147, 161, 173], [0.25, 246, 213, 115], [0.55, 242, 142, 60], [0.8, 215, 48, 31], [1, 127, 0, 24]];
   const VALUES = 48;
+  // As what value a limb is drawn that is pointed at elsewhere in the page.
   const LAMP = 0.5;
   const NOTHING = -1;
   // So much nearer than they are receptors are drawn, metres: cloth lies on the skin.
@@ -48,8 +49,6 @@ const Paint = (scene, poses) => {
     return start.map((x, i) => x + ((value - from) / (to - from)) * (end[i] - x));
   };
   const scale = Array.from({ length: VALUES + 1 }, (_, k) => shades(between(k / VALUES)));
-
-  // A limb that is pointed at elsewhere in the page.
   const lamp = shades(between(LAMP));
 
   // Corners and triangles of a mesh: in round pieces, neighbouring triangles share corners and so their light.
