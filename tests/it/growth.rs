@@ -124,10 +124,10 @@ fn what_moves_in_a_plane_is_placed_across_it_where_its_limbs_are_round() {
         let (model, out) = (model.to_str().unwrap(), format!("{body}-{seed}"));
         json(place.path(), &["babble", model, "--touches", "600", "--seed", seed, "--out", &out, "--json"])
     };
-    // Of some touches nothing across the plane is known (seeds 2 and 3 of twelve).
-    let hoppers = ["1", "2", "3", "4", "5", "6"].map(|seed| learned("hopper", seed));
+    // Of some touches nothing across the plane is known (seed 2, and two of twelve others).
+    let hoppers = ["1", "2", "3", "4"].map(|seed| learned("hopper", seed));
     let known: Vec<&Value> = hoppers.iter().filter(|hopper| hopper["converged"] == true).collect();
-    assert!(known.len() >= 4, "{hoppers:?}");
+    assert!(known.len() >= 3, "{hoppers:?}");
     for hopper in known {
         assert!(hopper["determined_mm"]["max"].as_f64().unwrap() < 0.5, "{hopper}");
         // Where nothing touches the pelvis it may slide along its axes.

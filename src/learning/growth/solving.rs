@@ -38,10 +38,12 @@ const AT_ONCE: usize = 4;
 const OFTEN_DRAWN: f64 = 0.7;
 /// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
 const MOST_NEAR: usize = 16;
-/// Deviations of the gap, metres, from which surfaces are closed, and down to which axes stay relaxed: joints that turn little are
-/// caught in one wrong minimum or another, and which depends on this; among false touches only narrow ones find the answer.
-const RELAXED_GAPS: [[f64; 2]; 4] =
-    [[WIDEST, 3e-3], [WIDEST, WIDEST], [0.5 * WIDEST, 3e-3], [0.5 * WIDEST, 0.5 * WIDEST]];
+/// Deviations of the gap, metres, from which surfaces are closed, in turn by those starts that are made at once: wide ones find
+/// answers from farther away, among false touches only narrow ones find any.
+const FIRST_GAPS: [f64; 2] = [WIDEST, 0.5 * WIDEST];
+/// Those down to which axes stay relaxed: joints that turn little are caught in one wrong minimum or another, and which depends on
+/// this.
+const RELAXED_GAPS: [f64; 2] = [3e-3, WIDEST];
 /// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
 const AGREEING: usize = 4;
 const SMALL: usize = 45;
@@ -321,7 +323,8 @@ impl Growth {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
         let beliefs = problem.beliefs();
-        let [widest, narrowest] = RELAXED_GAPS[number % RELAXED_GAPS.len()];
+        let widest = FIRST_GAPS[number / AT_ONCE % FIRST_GAPS.len()];
+        let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()].min(widest);
         schema = self.closest([widest, narrowest], touches, relaxed, &beliefs, schema);
         schema.normalize_axes(creature);
         schema = self.closest([widest, SHARP], touches, unit, &beliefs, schema);
