@@ -13,7 +13,7 @@ const LONGEST_SENTENCE: usize = 2000;
 ///
 /// let error = Agent::from_mjcf("no/such.xml").err().ok_or("there is no such file")?;
 /// assert!(error.is_model() && !error.is_usage());
-/// assert!(error.to_string().starts_with("no/such.xml: there is no such file"));
+/// assert!(error.to_string().starts_with("no/such.xml: no such file"));
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Debug)]
