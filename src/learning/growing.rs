@@ -252,7 +252,7 @@ impl Nursery<'_> {
         let placed = vec![true; self.agent.creature().limbs().len()];
         let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), initial_guesses };
         if let Evidence::Surfaces(_) = self.evidence {
-            if start.accepted && route == Route::Grown {
+            if start.accepted {
                 self.give_up(&mut start);
             }
             // Whether what is open still may be is for all touches to say.
@@ -311,13 +311,18 @@ impl Nursery<'_> {
         self.touches.filter(|pair| pair.chain.joints().all(|joint| !joints[joint]))
     }
 
-    /// Leaves out, one by one, the joints whose touches stay open: the others may be right.
+    /// Leaves out, one by one, the joints whose touches stay open, and fits the others anew: these may be right.
     fn give_up(&self, start: &mut Start) {
         for _ in 0..start.known.len() / MOST_GIVEN_UP {
-            let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
+            let known = &start.known;
+            let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
             let open = OpenGaps::new(self.agent, &used, &start.schema);
             let Some(worst) = open.worst_joint.filter(|_| !open.tolerable()) else { return };
             start.known[worst] = false;
+            let known = &start.known;
+            let used = used.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
+            let parameters = self.parameters(AxisModel::Unit, &|joint| known[joint]);
+            (start.schema, _) = self.settle(&used, &parameters, start.schema.clone(), 30);
         }
     }
 

@@ -224,8 +224,15 @@ impl OpenGaps {
         let chance = GapTally::of_chance(agent, touches);
         let most = found.all[0] / (MOST_FALSE * found.all[1]).max(FEW);
         let worst = found.beyond(&chance).map(excess).fold(found.crowded(&chance).max(most), f64::max);
-        let of_joints = (0..joints).map(|joint| (joint, share(found.of(joint, joint))));
-        let worst_joint = of_joints.filter(|(_, share)| *share > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
+        let [open, touches] = found.all;
+        let usual = open / touches.max(1.0);
+        // In how many deviations of chance more than the usual share of a joint's touches are open.
+        let unusual = |[open, all]: [f64; 2]| match all >= FEW {
+            true => (open - usual * all) / (usual * (1.0 - usual) * all).max(1.0).sqrt(),
+            false => 0.0,
+        };
+        let of_joints = (0..joints).map(|joint| (joint, unusual(found.of(joint, joint))));
+        let worst_joint = of_joints.filter(|(_, unusual)| *unusual > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
         OpenGaps { worst, worst_joint: worst_joint.map(|(joint, _)| joint) }
     }
 

@@ -565,7 +565,13 @@ impl Learner for Online {
                 return if is_one_body { self.standing(learned) } else { learned };
             }
         }
-        let mut learned = self.searched().unwrap_or_else(|| self.batch.learn());
+        // Noise that few starts find is what other searches take for touches that do not close.
+        let mut learned = self.batch.learn_in(STARTS);
+        if !learned.verdict.converged() {
+            let initial_guesses = learned.initial_guesses;
+            learned = self.searched().unwrap_or_else(|| self.batch.learn());
+            learned.initial_guesses += initial_guesses;
+        }
         learned.initial_guesses += self.initial_guesses;
         learned.changes = self.changes.clone();
         self.initial_guesses = learned.initial_guesses;

@@ -1,6 +1,7 @@
 //! The last fit: a start that was accepted, to all touches.
 
-use super::SecondOrder;
+use super::judging::shown_deviation;
+use super::{MOST_NOISE, SecondOrder};
 use crate::deadline::Deadline;
 use crate::geometry::Frame;
 use crate::learning::annealing::{NARROWEST, anneal, gaps, typical_gap};
@@ -40,13 +41,9 @@ impl SecondOrder {
                             .with_prior(prior);
                     levenberg_marquardt(&mut problem, schema, stopping).state
                 };
-                let prior = match self.input {
-                    Input::Receptor => &self.known.prior,
-                    Input::Contact => &self.known.given,
-                };
-                let mut schema = fit(schema, prior);
+                let mut schema = fit(schema, self.prior());
                 if self.shows_noise(&used, &parameters, &schema) {
-                    schema = self.fit_in_noise(&used, &parameters, prior, schema);
+                    schema = self.fit_in_noise(&used, &parameters, schema);
                 }
                 let schema = self.settled(schema, &start.placed);
                 let told = match self.frames {
@@ -69,7 +66,7 @@ impl SecondOrder {
                     schema = levenberg_marquardt(&mut problem, schema, LAST).state;
                     schema = self.sharpened(skin, &used, &parameters, schema);
                 } else {
-                    schema = self.fit_in_noise(&used, &parameters, &self.known.prior, schema);
+                    schema = self.fit_in_noise(&used, &parameters, schema);
                 }
                 let (account, deviation) = self.account_of(&used, &schema);
                 (schema, account, deviation)
@@ -92,22 +89,36 @@ impl SecondOrder {
         schema
     }
 
+    /// What is believed beside touches: points that are felt need no guess from where the skin is.
+    fn prior(&self) -> &Prior {
+        match self.input {
+            Input::Receptor => &self.known.prior,
+            Input::Contact => &self.known.given,
+        }
+    }
+
     /// Fits touches weighed by the noise that they show.
-    fn fit_in_noise(
-        &self,
-        used: &TouchSet,
-        parameters: &Parameters,
-        prior: &Prior,
-        mut schema: BodySchema,
-    ) -> BodySchema {
+    fn fit_in_noise(&self, used: &TouchSet, parameters: &Parameters, mut schema: BodySchema) -> BodySchema {
         let mut noise: Option<Noise> = None;
         for _ in 0..WEIGHINGS {
             let (found, adjusted) = self.noise(used, parameters, &schema, noise);
-            let mut problem = NoisyProblem::new(self.compared(), &adjusted, parameters, prior, found);
+            let mut problem = NoisyProblem::new(self.compared(), &adjusted, parameters, self.prior(), found);
             schema = levenberg_marquardt(&mut problem, schema, LAST).state;
             noise = Some(found);
         }
         schema
+    }
+
+    /// Fits what a start knows to touches of surfaces, weighed by the noise that they show, for an answer is judged by the best
+    /// that it can be; where they show none, or more than is believed, it is left.
+    pub(super) fn fit_start_in_noise(&self, touches: &TouchSet, start: &mut Start) {
+        let Evidence::Surfaces(skin) = self.evidence() else { return };
+        let used = touches.filter(|pair| start.covers(pair));
+        let parameters = self.parameters(&start.known, &start.placed);
+        let deviation = shown_deviation(skin, &used, &parameters, &start.schema);
+        if !used.is_empty() && (CERTAIN_NOISE..MOST_NOISE).contains(&deviation) {
+            start.schema = self.fit_in_noise(&used, &parameters, start.schema.clone());
+        }
     }
 
     /// Whether points are farther apart than they were taken to be, as far as parameters do not take that up: that much is noise.

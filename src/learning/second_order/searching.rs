@@ -149,6 +149,7 @@ impl SecondOrder {
                 LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
             };
+            self.fit_start_in_noise(touches, &mut start);
             let (judged, noise) = self.judge(search.evidence, touches, fresh, &start);
             // How wide noise leaves a part is for all touches to say.
             start.accepted = judged <= 1.0 && (start.accepted || search.evidence.may_be_noisy());
