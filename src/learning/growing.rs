@@ -6,13 +6,12 @@
 //! solve the new part with relaxed axes from a few initial guesses, polish it on the sphere, accept it on its
 //! residual; release everything known so far on all touches used; repeat.
 //!
-//! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them most
-//! starts take the body whole: from the receptors' centres with relaxed axes, then by the surfaces with relaxed
-//! axes, for joints that turn little are lost in the patches and only the surfaces feel them, then on the sphere.
-//! Bodies too large for that grow by the subtrees of their limbs, a hand's fingers before the arms, and leave
-//! unknown what has fewer touches than unknowns.
-//!
-//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
+//! Receptors are coarser: a small part may find a wrong answer that fits its few touches. With them a start takes
+//! the body whole: from the receptors' centres with relaxed axes, then by the surfaces with relaxed axes, for joints
+//! that turn little are lost in the patches and only the surfaces feel them, then on the sphere. Joints whose touches
+//! stay open then are left out.
+
+use std::collections::BTreeSet;
 
 use rand_chacha::ChaCha8Rng;
 
@@ -32,18 +31,14 @@ use crate::skin::Skin;
 /// Root mean square of whitened misses, on touches not fitted to, that points without noise can have.
 pub const EXACT: f64 = 1.0;
 /// Initial guesses tried for one part of the body before the whole start is given up.
-const ONSETS_PER_PART: usize = 12;
+const GUESSES_PER_PART: usize = 12;
 /// A body of more degrees of freedom than this is not tried whole.
 pub const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
 const PART_GAP: f64 = 5e-3;
-/// … or below this, where fresh touches show that it is noise …
+/// … or below this, where fresh touches show that it is noise.
 const NOISY_GAP: f64 = 0.04;
-/// … and no better initial guess is looked for when they are below this, or when two initial guesses agree on the least …
-const CERTAIN_GAP: f64 = 2e-5;
-/// … to this share of it.
-const AGREEMENT: f64 = 0.01;
 /// Deviations of the gap, metres, down to which axes stay relaxed, by the number of the start. Joints that
 /// turn little are caught in one wrong minimum or another, and which depends on this.
 const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
@@ -53,22 +48,11 @@ const HOPELESS_MISFIT: f64 = 100.0;
 const SPARE: usize = 3;
 /// Of so many joints one may be given up.
 const MOST_GIVEN_UP: usize = 4;
-/// Misfit of a part that no two initial guesses agree on.
-const DOUBTFUL: f64 = 2.0;
 /// Touches that fix where a limb is on the joints about it.
 const FIXED_BY: usize = 4;
 /// Sizes of parts that starts in noise begin with, each of twice as many touches as the one before; the last is the whole body, as
 /// every fourth start is.
 const NOISY_SIZES: usize = 4;
-
-/// How a start goes about the body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Route {
-    /// Limb pair by limb pair.
-    Grown,
-    /// All joints at once.
-    Whole,
-}
 
 /// What one start came to.
 pub struct Start {
@@ -150,16 +134,6 @@ impl PointNoise {
 }
 
 impl Evidence<'_> {
-    /// The route that fits: points are sharp enough to grow on, every fourth start is whole for safety;
-    /// receptors are coarse, and one start in eight grows, or each where the body is large.
-    pub fn route(&self, start: usize, dof: usize) -> Route {
-        match self {
-            Evidence::Points { .. } if self.exact() && start % 4 < 3 => Route::Grown,
-            _ if !self.exact() && (dof > WHOLE_DOF || start % 8 == 5) => Route::Grown,
-            _ => Route::Whole,
-        }
-    }
-
     /// Whether the places of a touch are one point, and no patches.
     pub fn exact(&self) -> bool {
         matches!(self, Evidence::Points { patches: false, .. })
@@ -170,19 +144,17 @@ impl Evidence<'_> {
         !matches!(self, Evidence::Points { noise: None, patches: false, .. })
     }
 
-    /// Touches a part needs before it is solved: some, and some more per unknown degree of freedom. A point
-    /// gives three equations, a gap gives one. In noise a wrong answer may explain few touches, and how many are few depends on
-    /// the body: starts differ in that.
+    /// Touches of points that a part needs before it is solved: some, and some more per unknown degree of freedom. In noise a wrong
+    /// answer may explain few touches, and how many are few depends on the body: starts differ in that.
     fn enough(&self, dof: usize, start: usize) -> usize {
         match self {
             Evidence::Points { noise: Some(_), .. } => (8 + 2 * dof) << (start % NOISY_SIZES),
-            Evidence::Points { .. } => 8 + 2 * dof,
-            Evidence::Surfaces(_) => 12 + 5 * dof,
+            _ => 8 + 2 * dof,
         }
     }
 }
 
-/// How well a part was solved: 1 is just acceptable, and below `certain` nothing better need be tried.
+/// How well a part was solved: 1 is just acceptable.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Misfit(f64);
 
@@ -190,78 +162,93 @@ impl Misfit {
     fn acceptable(self) -> bool {
         self.0 <= 1.0
     }
-
-    fn certain(self, evidence: &Evidence) -> bool {
-        match evidence {
-            Evidence::Points { .. } => self.acceptable(),
-            Evidence::Surfaces(_) => self.0 <= CERTAIN_GAP / PART_GAP,
-        }
-    }
 }
 
 impl Nursery<'_> {
     /// One start from a random initial guess.
-    pub fn start(&self, route: Route, rng: &mut ChaCha8Rng) -> Start {
-        let joints = self.agent.creature().joints().len();
-        let mut schema = self.prior.mean.clone();
-        for joint in (0..joints).filter(|&joint| !self.frozen[joint]) {
-            self.prior.randomize_joint(self.agent.creature(), &mut schema, joint, rng);
+    pub fn start(&self, rng: &mut ChaCha8Rng) -> Start {
+        let mut guess = self.prior.mean.clone();
+        for joint in (0..self.frozen.len()).filter(|&joint| !self.frozen[joint]) {
+            self.prior.randomize_joint(self.agent.creature(), &mut guess, joint, rng);
         }
         let touches = self.without(&self.starved());
-        let mut known = self.frozen.to_vec();
+        // Points are sharp enough to grow on, every fourth start is whole for safety; receptors are coarse.
+        if self.evidence.exact() && self.turn % 4 < 3 {
+            self.grown(&touches, guess, rng)
+        } else {
+            self.whole(&touches, guess, rng)
+        }
+    }
+
+    /// All joints at once; of surfaces without those whose touches stay open.
+    fn whole(&self, touches: &TouchSet, guess: BodySchema, rng: &mut ChaCha8Rng) -> Start {
+        let mut start = self.nothing(guess);
+        let part = unknown_joints(&touches.pairs, &start.known);
+        if part.is_empty() || self.deadline.has_passed() {
+            return start;
+        }
+        let (schema, mut misfit) = self.solve_once(touches, &start.schema, (&part, &[]), rng);
+        start.schema = schema;
+        start.initial_guesses += 1;
+        part.iter().for_each(|&joint| start.known[joint] = true);
+        if misfit.acceptable() {
+            misfit = self.settle_known(touches, &mut start);
+        }
+        start.accepted = misfit.acceptable();
+        if let Evidence::Surfaces(_) = self.evidence {
+            if start.accepted {
+                self.give_up(touches, &mut start);
+            }
+            // Whether what is open still may be is for all touches to say.
+            start.accepted = misfit.0 <= NOISY_GAP / PART_GAP;
+        }
+        start
+    }
+
+    /// Limb pair by limb pair.
+    fn grown(&self, touches: &TouchSet, guess: BodySchema, rng: &mut ChaCha8Rng) -> Start {
+        let mut start = self.nothing(guess);
         // Joints that could not be solved: no touch with them is used.
-        let mut given_up = vec![false; joints];
-        let mut misfit = Misfit(if known.iter().any(|&known| known) { 0.0 } else { f64::INFINITY });
-        let mut initial_guesses = 0;
-        let mut released = 0;
+        let mut given_up = vec![false; start.known.len()];
         loop {
             let touches = touches.filter(|pair| pair.chain.joints().all(|joint| !given_up[joint]));
-            let part = self.next_part(&touches, route, &known).filter(|_| !self.deadline.has_passed());
-            let Some(part) = part else { break };
-            let rest =
-                self.next_part(&touches, Route::Whole, &known).is_none_or(|all| all.len() == part.len());
-            // A whole body has one initial guess a start; parts get several, for what is known is worth keeping.
-            let most = if route == Route::Whole { 1 } else { ONSETS_PER_PART };
-            let loose = self.loosened(&touches, &known, &part);
+            let part = self.next_part(&touches, &start.known).filter(|_| !self.deadline.has_passed());
+            let Some(part) = part else { return start };
+            let rest = unknown_joints(&touches.pairs, &start.known).len() == part.len();
+            let loose = self.loosened(&touches, &start.known, &part);
             let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
-            let closed = closed(&touches, &known, in_part);
-            let solved;
-            (solved, misfit) =
-                self.solve_part(&closed, &schema, (&part, &loose), most, rng, &mut initial_guesses);
-            if !misfit.acceptable() && route == Route::Grown && !rest {
+            let closed = closed(&touches, &start.known, in_part);
+            // Parts get several initial guesses, for what is known is worth keeping.
+            let guesses = &mut start.initial_guesses;
+            let (schema, misfit) = self.solve_part(&closed, &start.schema, (&part, &loose), rng, guesses);
+            if !misfit.acceptable() && !rest {
                 part.iter().for_each(|&joint| given_up[joint] = true);
                 continue;
             }
-            schema = solved;
-            part.iter().for_each(|&joint| known[joint] = true);
-            if !misfit.acceptable() {
-                break;
-            }
-            // All that is known is released once it has grown by half, and at the end: each time is dear.
-            let free = known.iter().filter(|&&known| known).count();
-            if matches!(self.evidence, Evidence::Points { .. }) || rest || 2 * free > 3 * released {
-                released = free;
-                let used = touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
-                let parameters = self.parameters(AxisModel::Unit, &|joint| known[joint]);
-                (schema, misfit) = self.settle(&used, &parameters, schema, 30);
-                if !misfit.acceptable() {
-                    break;
-                }
+            start.schema = schema;
+            part.iter().for_each(|&joint| start.known[joint] = true);
+            start.accepted = misfit.acceptable() && self.settle_known(&touches, &mut start).acceptable();
+            if !start.accepted {
+                return start;
             }
         }
+    }
+
+    /// A start of which nothing is known but what was before; that is right, if it is anything.
+    fn nothing(&self, schema: BodySchema) -> Start {
         let placed = vec![true; self.agent.creature().limbs().len()];
-        let mut start = Start { schema, known, placed, accepted: misfit.acceptable(), initial_guesses };
-        if let Evidence::Surfaces(_) = self.evidence {
-            if start.accepted {
-                self.give_up(&mut start);
-            }
-            // Whether what is open still may be is for all touches to say.
-            start.accepted = match route {
-                Route::Grown => misfit.acceptable(),
-                Route::Whole => misfit.0 <= NOISY_GAP / PART_GAP,
-            };
-        }
-        start
+        let accepted = self.frozen.contains(&true);
+        Start { schema, known: self.frozen.to_vec(), placed, accepted, initial_guesses: 0 }
+    }
+
+    /// Fits all that is known of a start to the touches that tell of it.
+    fn settle_known(&self, touches: &TouchSet, start: &mut Start) -> Misfit {
+        let known = |joint: usize| start.known[joint];
+        let used = touches.filter(|pair| pair.chain.joints().all(known));
+        let parameters = self.parameters(AxisModel::Unit, &known);
+        let (schema, misfit) = self.settle(&used, &parameters, start.schema.clone(), 30);
+        start.schema = schema;
+        misfit
     }
 
     /// The noise of points: root mean square of the whitened residuals of the part that is solved first, in units
@@ -269,11 +256,10 @@ impl Nursery<'_> {
     /// wrong minimum of all initial guesses makes it too large.
     pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<PointNoise> {
         let touches = self.without(&self.starved());
-        let part = self.next_part(&touches, Route::Grown, self.frozen)?;
+        let part = self.next_part(&touches, self.frozen)?;
         let closed = closed(&touches, self.frozen, |joint| part.contains(&joint));
         let schema = &self.prior.mean;
-        let (schema, Misfit(misfit)) =
-            self.solve_part(&closed, schema, (&part, &[]), ONSETS_PER_PART, rng, &mut 0);
+        let (schema, Misfit(misfit)) = self.solve_part(&closed, schema, (&part, &[]), rng, &mut 0);
         let (rows, unknowns) =
             (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
         // Misfits are told in units of what is accepted.
@@ -312,17 +298,13 @@ impl Nursery<'_> {
     }
 
     /// Leaves out, one by one, the joints whose touches stay open, and fits the others anew: these may be right.
-    fn give_up(&self, start: &mut Start) {
+    fn give_up(&self, touches: &TouchSet, start: &mut Start) {
         for _ in 0..start.known.len() / MOST_GIVEN_UP {
-            let known = &start.known;
-            let used = self.touches.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
+            let used = touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
             let open = OpenGaps::new(self.agent, &used, &start.schema);
             let Some(worst) = open.worst_joint.filter(|_| !open.tolerable()) else { return };
             start.known[worst] = false;
-            let known = &start.known;
-            let used = used.filter(|pair| pair.chain.joints().all(|joint| known[joint]));
-            let parameters = self.parameters(AxisModel::Unit, &|joint| known[joint]);
-            (start.schema, _) = self.settle(&used, &parameters, start.schema.clone(), 30);
+            self.settle_known(touches, start);
         }
     }
 
@@ -344,89 +326,31 @@ impl Nursery<'_> {
         (schema, annealed.p80_gap)
     }
 
-    /// The unknown joints of the part to solve next; none when no touch brings a new joint.
-    fn next_part(&self, touches: &TouchSet, route: Route, known: &[bool]) -> Option<Vec<usize>> {
-        let unknown_of = |pair: &PairTouches| -> Vec<usize> {
-            let mut unknown: Vec<usize> = pair.chain.joints().filter(|&j| !known[j]).collect();
-            unknown.sort_unstable();
-            unknown
-        };
-        let parts: Vec<(Vec<usize>, usize)> =
-            touches.pairs.iter().map(|pair| (unknown_of(pair), pair.touches.len())).collect();
-        let union = |parts: &mut dyn Iterator<Item = &(Vec<usize>, usize)>| -> Vec<usize> {
-            let mut all: Vec<usize> = parts.flat_map(|(part, _)| part).copied().collect();
-            all.sort_unstable();
-            all.dedup();
-            all
-        };
-        let all = union(&mut parts.iter());
-        if route == Route::Whole || all.is_empty() {
-            return (!all.is_empty()).then_some(all);
-        }
+    /// The unknown joints of the part to solve next, those of one pair of limbs: of the pairs with touches enough the one with
+    /// fewest unknowns, of others the one that has most touches for its size; none when no touch brings a new joint.
+    fn next_part(&self, touches: &TouchSet, known: &[bool]) -> Option<Vec<usize>> {
+        let parts: Vec<Vec<usize>> = touches.pairs.iter().map(|pair| unknown_joints([pair], known)).collect();
         let dof = |part: &[usize]| -> usize {
             part.iter().map(|&j| self.agent.creature().joints()[j].dofs.len()).sum()
         };
         let touches_of = |part: &[usize]| -> usize {
             let closed = parts
                 .iter()
+                .zip(&touches.pairs)
                 .filter(|(other, _)| !other.is_empty() && other.iter().all(|joint| part.contains(joint)));
-            closed.map(|(_, touches)| touches).sum()
+            closed.map(|(_, pair)| pair.touches.len()).sum()
         };
-        let candidates: Vec<Vec<usize>> = match self.evidence {
-            // Points are sharp: a single pair of limbs will do.
-            Evidence::Points { .. } => parts.iter().map(|(part, _)| part.clone()).collect(),
-            // Receptors are coarse: all that touches within a limb's own subtree, a hand's fingers, say.
-            Evidence::Surfaces(_) => (0..self.agent.creature().limbs().len())
-                .map(|limb| {
-                    let within = |pair: &PairTouches| self.carries(limb, pair.chain.ancestor);
-                    let mut inside = touches
-                        .pairs
-                        .iter()
-                        .zip(&parts)
-                        .filter(|(pair, _)| within(pair))
-                        .map(|(_, part)| part);
-                    union(&mut inside)
-                })
-                .collect(),
-        };
-        let candidates = || candidates.iter().filter(|part| !part.is_empty());
+        let candidates = || parts.iter().filter(|part| !part.is_empty());
         let rich = candidates()
             .filter(|part| touches_of(part) >= self.evidence.enough(dof(part), self.turn))
             .min_by_key(|part| (dof(part), std::cmp::Reverse(touches_of(part))));
-        let Some(rich) = rich else {
-            return match self.evidence {
-                // Where no pair has touches enough, take the one that has the most for its size.
-                Evidence::Points { .. } => {
-                    candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1)).cloned()
-                }
-                // No part can stand alone: all that is left, at once, unless it has more unknowns than touches.
-                Evidence::Surfaces(_) => {
-                    let unknowns: usize = all.iter().map(|&joint| self.unknowns(joint)).sum();
-                    (10 * touches_of(&all) >= 11 * unknowns).then_some(all)
-                }
-            };
-        };
-        Some(rich.clone())
-    }
-
-    /// Whether `limb` is or carries `other`.
-    fn carries(&self, limb: usize, other: usize) -> bool {
-        let mut at = Some(other);
-        while let Some(here) = at {
-            if here == limb {
-                return true;
-            }
-            at = self.agent.creature().parent_of(here);
-        }
-        false
+        let richest = || candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1));
+        rich.or_else(richest).cloned()
     }
 
     /// The known joints on limbs that a part is the first to touch. Nothing told so far where an untouched limb is
     /// along the axes of the joints on it: what was found there is gauge freedom, and is to be found now.
     fn loosened(&self, touches: &TouchSet, known: &[bool], part: &[usize]) -> Vec<usize> {
-        if !matches!(self.evidence, Evidence::Points { .. }) {
-            return Vec::new();
-        }
         let mut met = vec![[0; 2]; self.agent.creature().limbs().len()];
         for pair in &touches.pairs {
             let unknown = |joint: &usize| !known[*joint];
@@ -447,58 +371,56 @@ impl Nursery<'_> {
         &self,
         touches: &TouchSet,
         schema: &BodySchema,
-        (part, loose): (&[usize], &[usize]),
-        most: usize,
+        part: (&[usize], &[usize]),
         rng: &mut ChaCha8Rng,
         initial_guesses: &mut usize,
+    ) -> (BodySchema, Misfit) {
+        let mut best = self.solve_once(touches, schema, part, rng);
+        *initial_guesses += 1;
+        for _ in 1..GUESSES_PER_PART {
+            if best.1.acceptable() || self.deadline.has_passed() {
+                break;
+            }
+            let trial = self.solve_once(touches, schema, part, rng);
+            *initial_guesses += 1;
+            if trial.1 < best.1 {
+                best = trial;
+            }
+        }
+        best
+    }
+
+    /// The same from one initial guess.
+    fn solve_once(
+        &self,
+        touches: &TouchSet,
+        schema: &BodySchema,
+        (part, loose): (&[usize], &[usize]),
+        rng: &mut ChaCha8Rng,
     ) -> (BodySchema, Misfit) {
         let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
         let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
         let unit = self.parameters(AxisModel::Unit, &in_part);
-        let mut best: Option<(BodySchema, Misfit)> = None;
-        let mut misfits = Vec::new();
-        for _ in 0..most {
-            *initial_guesses += 1;
-            let mut trial = schema.clone();
-            part.iter()
-                .for_each(|&joint| self.prior.randomize_joint(self.agent.creature(), &mut trial, joint, rng));
-            let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
-                let creature = self.agent.creature();
-                meet(creature, touches, parameters, self.prior, schema, (fits, self.deadline))
-            };
-            trial = meet(&relaxed, trial, POINT_FITS);
-            if self.evidence.exact() {
-                (trial, _) = self.solve(touches, &relaxed, trial, 100);
-            }
-            trial.normalize_axes(self.agent.creature());
-            let (trial, misfit) = match self.evidence {
-                Evidence::Points { .. } => self.settle(touches, &unit, trial, 60),
-                Evidence::Surfaces(_) => {
-                    let trial = meet(&unit, trial, POINT_FITS / 2);
-                    let miss = usual_miss(touches, &trial);
-                    match miss > HOPELESS {
-                        true => (trial, Misfit(HOPELESS_MISFIT * miss)),
-                        false => self.close_both(touches, &unit, trial),
-                    }
-                }
-            };
-            if best.as_ref().is_none_or(|(_, least)| misfit < *least) {
-                best = Some((trial, misfit));
-            }
-            misfits.push(misfit);
-            let least = misfits.iter().fold(f64::INFINITY, |least, misfit| least.min(misfit.0));
-            let agreeing = misfits.iter().filter(|misfit| misfit.0 <= (1.0 + AGREEMENT) * least).count();
-            if Misfit(least).certain(&self.evidence) || (least <= 1.0 && agreeing >= 2) {
-                return best.expect("one was tried");
-            }
-            if self.deadline.has_passed() {
-                break;
-            }
+        let creature = self.agent.creature();
+        let mut trial = schema.clone();
+        part.iter().for_each(|&joint| self.prior.randomize_joint(creature, &mut trial, joint, rng));
+        let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
+            meet(creature, touches, parameters, self.prior, schema, (fits, self.deadline))
+        };
+        trial = meet(&relaxed, trial, POINT_FITS);
+        if self.evidence.exact() {
+            (trial, _) = self.solve(touches, &relaxed, trial, 100);
         }
-        let (schema, misfit) = best.expect("at least one initial guess is tried");
-        // Gaps that do not close, and no two initial guesses that leave the same ones: a wrong minimum, one of many.
-        let doubtful = most > 1 && matches!(self.evidence, Evidence::Surfaces(_));
-        (schema, if doubtful { Misfit(misfit.0.max(DOUBTFUL)) } else { misfit })
+        trial.normalize_axes(creature);
+        if let Evidence::Points { .. } = self.evidence {
+            return self.settle(touches, &unit, trial, 60);
+        }
+        let trial = meet(&unit, trial, POINT_FITS / 2);
+        let miss = usual_miss(touches, &trial);
+        match miss > HOPELESS {
+            true => (trial, Misfit(HOPELESS_MISFIT * miss)),
+            false => self.close_both(touches, &unit, trial),
+        }
     }
 
     /// Fits unit axes to points, then to surfaces where these are known.
@@ -564,6 +486,13 @@ impl Nursery<'_> {
         let solution = levenberg_marquardt(&mut problem, start, stopping);
         (solution.state, (2.0 * solution.cost / count).sqrt())
     }
+}
+
+/// The joints between the limbs of some pairs that are not known.
+fn unknown_joints<'p>(pairs: impl IntoIterator<Item = &'p PairTouches>, known: &[bool]) -> Vec<usize> {
+    let joints = pairs.into_iter().flat_map(|pair| pair.chain.joints());
+    let unknown: BTreeSet<usize> = joints.filter(|&joint| !known[joint]).collect();
+    unknown.into_iter().collect()
 }
 
 /// How fast the points of touches part as a joint is misread: root mean square of the whitened residuals, 1 a radian.

@@ -28,7 +28,7 @@ use crate::learning::{AxisModel, Parameters};
 use crate::schema::{BodySchema, nearest_rotation};
 
 /// Initial guesses tried for one part of the body.
-const ONSETS_PER_PART: usize = 16;
+const GUESSES_PER_PART: usize = 16;
 /// Parts that fail before a start grows no more, …
 const MOST_FAILED: usize = 4;
 /// … and where it knows nothing yet: long chains alone make none to grow on.
@@ -265,7 +265,7 @@ impl LimbNursery<'_> {
         // Three equations a touch: three times as many as unknowns tell a wrong answer from a right one.
         let few = thinned(&part.touches, relaxed.len());
         let mut best = (growth.schema.clone(), EXACT);
-        for _ in 0..ONSETS_PER_PART {
+        for _ in 0..GUESSES_PER_PART {
             *initial_guesses += 1;
             let mut trial = growth.schema.clone();
             for &joint in &part.joints {

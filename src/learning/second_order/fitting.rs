@@ -43,7 +43,7 @@ impl SecondOrder {
                 };
                 let mut schema = fit(schema, self.prior());
                 if self.shows_noise(&used, &parameters, &schema) {
-                    schema = self.fit_in_noise(&used, &parameters, schema);
+                    schema = self.fit_in_noise(&used, &parameters, schema, true);
                 }
                 let schema = self.settled(schema, &start.placed);
                 let told = match self.frames {
@@ -66,7 +66,7 @@ impl SecondOrder {
                     schema = levenberg_marquardt(&mut problem, schema, LAST).state;
                     schema = self.sharpened(skin, &used, &parameters, schema);
                 } else {
-                    schema = self.fit_in_noise(&used, &parameters, schema);
+                    schema = self.fit_in_noise(&used, &parameters, schema, true);
                 }
                 let (account, deviation) = self.account_of(&used, &schema);
                 (schema, account, deviation)
@@ -97,11 +97,17 @@ impl SecondOrder {
         }
     }
 
-    /// Fits touches weighed by the noise that they show.
-    fn fit_in_noise(&self, used: &TouchSet, parameters: &Parameters, mut schema: BodySchema) -> BodySchema {
+    /// Fits touches weighed by the noise that they show, that of `receptors` by itself where that is asked for.
+    fn fit_in_noise(
+        &self,
+        used: &TouchSet,
+        parameters: &Parameters,
+        mut schema: BodySchema,
+        receptors: bool,
+    ) -> BodySchema {
         let mut noise: Option<Noise> = None;
         for _ in 0..WEIGHINGS {
-            let (found, adjusted) = self.noise(used, parameters, &schema, noise);
+            let (found, adjusted) = self.noise(used, parameters, &schema, noise, receptors);
             let mut problem = NoisyProblem::new(self.compared(), &adjusted, parameters, self.prior(), found);
             schema = levenberg_marquardt(&mut problem, schema, LAST).state;
             noise = Some(found);
@@ -117,7 +123,8 @@ impl SecondOrder {
         let parameters = self.parameters(&start.known, &start.placed);
         let deviation = shown_deviation(skin, &used, &parameters, &start.schema);
         if !used.is_empty() && (CERTAIN_NOISE..MOST_NOISE).contains(&deviation) {
-            start.schema = self.fit_in_noise(&used, &parameters, start.schema.clone());
+            // To tell what receptors do from noise of single touches is dear, and not needed to judge by.
+            start.schema = self.fit_in_noise(&used, &parameters, start.schema.clone(), false);
         }
     }
 

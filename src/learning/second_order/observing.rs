@@ -86,7 +86,7 @@ impl SecondOrder {
         let parameters = self.touched(used).0;
         let deviation = self.gap_deviation(skin, used, &parameters, schema);
         let used = if deviation > CERTAIN_NOISE {
-            let (noise, _) = self.noise(used, &parameters, schema, None);
+            let (noise, _) = self.noise(used, &parameters, schema, None, true);
             let gaps = gaps_of(self.compared(), &Adjusted::none(used), &parameters, schema);
             witnesses(&self.agent, used, schema, |number| noise.variance(&gaps[number]).sqrt(), false)
         } else {
@@ -96,20 +96,22 @@ impl SecondOrder {
     }
 
     /// The noise of touches at a schema that was fitted to them, and the touches as they most likely were.
-    /// `before` is a rough guess.
+    /// `before` is a rough guess. What `receptors` do is told from noise of single touches where that is asked for.
     pub(super) fn noise<'t>(
         &self,
         touches: &'t TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
         before: Option<Noise>,
+        receptors: bool,
     ) -> (Noise, Adjusted<'t>) {
         let mut prior = DMatrix::zeros(parameters.len(), parameters.len());
         self.known.prior.add_information(parameters, &mut prior);
         let estimate = |adjusted: &Adjusted, before| {
             let gaps = gaps_of(self.compared(), adjusted, parameters, schema);
             // Points of contact are wherever they are, by no fault of a receptor.
-            Noise::estimate(&gaps, parameters, &prior, before, self.compared().1 == Compared::Surfaces)
+            let receptors = receptors && self.compared().1 == Compared::Surfaces;
+            Noise::estimate(&gaps, parameters, &prior, before, receptors)
         };
         let noise = before.unwrap_or_else(|| estimate(&Adjusted::none(touches), None));
         let adjusted = Adjusted::of(self.compared(), touches, schema, &noise);
@@ -170,7 +172,7 @@ impl SecondOrder {
                 (found, deviation, deviation <= NARROWEST)
             }
             _ => {
-                let mut noise = self.noise(used, &parameters, schema, None).0;
+                let mut noise = self.noise(used, &parameters, schema, None, true).0;
                 spread =
                     noise.deviation(&gaps_of(self.compared(), &Adjusted::none(used), &parameters, schema));
                 noise.contact = noise.contact.max(SHARPEST);

@@ -146,7 +146,7 @@ impl SecondOrder {
             rng.set_stream(number as u64);
             let nursery = self.nursery(search.evidence, touches, number);
             let mut start = match self.frames {
-                LimbFrames::Joint => nursery.start(nursery.evidence.route(number, dof), &mut rng),
+                LimbFrames::Joint => nursery.start(&mut rng),
                 LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
             };
             self.fit_start_in_noise(touches, &mut start);
