@@ -565,11 +565,11 @@ impl Learner for Online {
                 return if is_one_body { self.standing(learned) } else { learned };
             }
         }
-        // Noise that few starts find is what other searches take for touches that do not close.
-        let mut learned = self.batch.learn_in(STARTS);
+        // Where touches are noisy, other searches look in vain for what closes them, and for long.
+        let mut learned = self.batch.learn();
         if !learned.verdict.converged() {
             let initial_guesses = learned.initial_guesses;
-            learned = self.searched().unwrap_or_else(|| self.batch.learn());
+            learned = self.searched().unwrap_or(learned);
             learned.initial_guesses += initial_guesses;
         }
         learned.initial_guesses += self.initial_guesses;
