@@ -32,7 +32,7 @@ use crate::skin::Skin;
 pub const EXACT: f64 = 1.0;
 /// Initial guesses tried for one part of the body before the whole start is given up.
 const GUESSES_PER_PART: usize = 12;
-/// A body of more degrees of freedom than this is not tried whole.
+/// A body of more degrees of freedom than this is seldom solved whole: that is tried in the end alone, and a few times.
 pub const WHOLE_DOF: usize = 60;
 
 /// A part of the body is right when eight tenths of its surfaces' gaps are below this, metres …
@@ -194,13 +194,13 @@ impl Nursery<'_> {
         if misfit.acceptable() {
             misfit = self.settle_known(touches, &mut start);
         }
-        start.accepted = misfit.acceptable();
-        if let Evidence::Surfaces(_) = self.evidence {
-            if start.accepted {
-                self.give_up(touches, &mut start);
-            }
+        start.accepted = match self.evidence {
+            Evidence::Points { .. } => misfit.acceptable(),
             // Whether what is open still may be is for all touches to say.
-            start.accepted = misfit.0 <= NOISY_GAP / PART_GAP;
+            Evidence::Surfaces(_) => misfit.0 <= NOISY_GAP / PART_GAP,
+        };
+        if matches!(self.evidence, Evidence::Surfaces(_)) && misfit.acceptable() {
+            self.give_up(touches, &mut start);
         }
         start
     }
@@ -243,9 +243,8 @@ impl Nursery<'_> {
 
     /// Fits all that is known of a start to the touches that tell of it.
     fn settle_known(&self, touches: &TouchSet, start: &mut Start) -> Misfit {
-        let known = |joint: usize| start.known[joint];
-        let used = touches.filter(|pair| pair.chain.joints().all(known));
-        let parameters = self.parameters(AxisModel::Unit, &known);
+        let used = touches.filter(|pair| start.covers(pair));
+        let parameters = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
         let (schema, misfit) = self.settle(&used, &parameters, start.schema.clone(), 30);
         start.schema = schema;
         misfit
@@ -300,7 +299,7 @@ impl Nursery<'_> {
     /// Leaves out, one by one, the joints whose touches stay open, and fits the others anew: these may be right.
     fn give_up(&self, touches: &TouchSet, start: &mut Start) {
         for _ in 0..start.known.len() / MOST_GIVEN_UP {
-            let used = touches.filter(|pair| pair.chain.joints().all(|joint| start.known[joint]));
+            let used = touches.filter(|pair| start.covers(pair));
             let open = OpenGaps::new(self.agent, &used, &start.schema);
             let Some(worst) = open.worst_joint.filter(|_| !open.tolerable()) else { return };
             start.known[worst] = false;

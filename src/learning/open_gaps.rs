@@ -184,7 +184,8 @@ pub fn witnesses(
 pub struct OpenGaps {
     /// The greatest share, of any two joints, in units of what false touches and chance may make up.
     pub worst: f64,
-    /// The joint whose touches stay open most, of those that have more than few; `None` if all are closed.
+    /// Of the joints that have more than few touches, the one of which more than the usual share stays open, by most deviations of
+    /// chance; `None` if all are closed.
     pub worst_joint: Option<usize>,
 }
 

@@ -7,8 +7,6 @@
 //!
 //! The schema is usable at any time, and its covariance says how far. A body that changes is noticed from the
 //! predictions and followed without starting over (see `change.rs`).
-//!
-//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 pub mod belief;
 mod change;
@@ -116,7 +114,7 @@ pub struct Online {
     seen: usize,
     /// Touches at which learning is tried next.
     next_trial: usize,
-    /// What is tried with touches that were not explained so far, before all joints at once are.
+    /// What is tried where all joints at once explain nothing.
     search: Option<Search>,
     locked: Option<Locked>,
     /// Initial guesses used by trials so far.
@@ -212,7 +210,7 @@ impl Online {
         &self.surprises
     }
 
-    /// Sets what is tried with touches that no trial has explained, where nothing was known before.
+    /// Sets what is tried where all joints at once explain nothing and nothing was known before.
     pub fn with_search(self, search: Search) -> Online {
         Online { search: Some(search), ..self }
     }
@@ -491,7 +489,7 @@ impl Online {
 }
 
 impl Online {
-    /// What another search finds where no trial found anything.
+    /// What another search finds where nothing was found so far.
     fn searched(&self) -> Option<Learned> {
         let search = self.search.as_ref().filter(|_| self.locked.is_none() && !self.known.is_given())?;
         search(self.batch.touches(), self.deadline).filter(|found| found.verdict.converged())
@@ -567,10 +565,10 @@ impl Learner for Online {
         }
         // Where touches are noisy, other searches look in vain for what closes them, and for long.
         let mut learned = self.batch.learn();
-        if !learned.verdict.converged() {
-            let initial_guesses = learned.initial_guesses;
-            learned = self.searched().unwrap_or(learned);
-            learned.initial_guesses += initial_guesses;
+        if !learned.verdict.converged()
+            && let Some(found) = self.searched()
+        {
+            learned = Learned { initial_guesses: learned.initial_guesses + found.initial_guesses, ..found };
         }
         learned.initial_guesses += self.initial_guesses;
         learned.changes = self.changes.clone();

@@ -1,4 +1,4 @@
-//! The last fit: a start that was accepted, to all touches.
+//! Fits in noise of starts that are judged next, and the last fit: of the one that was accepted, to all touches.
 
 use super::judging::shown_deviation;
 use super::{MOST_NOISE, SecondOrder};
@@ -97,7 +97,7 @@ impl SecondOrder {
         }
     }
 
-    /// Fits touches weighed by the noise that they show, that of `receptors` by itself where that is asked for.
+    /// Fits touches weighed by the noise that they show; that of `receptors` is told from others where it is asked for.
     fn fit_in_noise(
         &self,
         used: &TouchSet,
@@ -120,9 +120,12 @@ impl SecondOrder {
     pub(super) fn fit_start_in_noise(&self, touches: &TouchSet, start: &mut Start) {
         let Evidence::Surfaces(skin) = self.evidence() else { return };
         let used = touches.filter(|pair| start.covers(pair));
+        if used.is_empty() {
+            return;
+        }
         let parameters = self.parameters(&start.known, &start.placed);
         let deviation = shown_deviation(skin, &used, &parameters, &start.schema);
-        if !used.is_empty() && (CERTAIN_NOISE..MOST_NOISE).contains(&deviation) {
+        if (CERTAIN_NOISE..MOST_NOISE).contains(&deviation) {
             // To tell what receptors do from noise of single touches is dear, and not needed to judge by.
             start.schema = self.fit_in_noise(&used, &parameters, start.schema.clone(), false);
         }

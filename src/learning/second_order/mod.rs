@@ -4,8 +4,8 @@
 //! [`growing`](super::growing)), and accepts a start only on touches that it was not fitted to: a low
 //! residual on the touches used is no proof. What it accepts is fitted once more to all touches.
 //!
-//! In order: `searching` makes starts, `judging` holds each against touches that it was not fitted to, `fitting` fits the one that
-//! is taken to all touches, `observing` says what they determine there.
+//! In order: `searching` makes starts, `fitting` fits each to the noise that it shows, `judging` holds it against touches that it
+//! was not fitted to, `fitting` fits the one that is taken to all touches, `observing` says what they determine there.
 
 mod fitting;
 mod judging;

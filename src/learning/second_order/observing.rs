@@ -96,7 +96,7 @@ impl SecondOrder {
     }
 
     /// The noise of touches at a schema that was fitted to them, and the touches as they most likely were.
-    /// `before` is a rough guess. What `receptors` do is told from noise of single touches where that is asked for.
+    /// `before` is a rough guess. Noise of `receptors` is told from that of single touches where it is asked for.
     pub(super) fn noise<'t>(
         &self,
         touches: &'t TouchSet,

@@ -18,7 +18,7 @@ use crate::senses::Touch;
 
 /// Every how many touches one is kept back to judge a start.
 const KEPT_BACK: usize = 5;
-/// Starts tried with a body too large to be solved whole.
+/// Starts tried with a body that is seldom solved whole.
 const LARGE_STARTS: usize = 2;
 /// Starts after which one is taken though it knows fewer joints than have touches of their own.
 const INCOMPLETE_STARTS: usize = 2;
@@ -160,7 +160,7 @@ impl SecondOrder {
         let mut initial_guesses = 0;
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
-        // Starts of a large body are long, and try several initial guesses for each part.
+        // Starts of a large body are long.
         let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
             search.starts.min(LARGE_STARTS)
         } else {
