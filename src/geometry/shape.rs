@@ -237,26 +237,33 @@ fn blunt(slabs: &[(f64, Vector3<f64>)]) -> (f64, Vector3<f64>) {
     *nearest
 }
 
-/// The nearest point of an ellipsoid by bisection on its Lagrange multiplier (Eberly, "Distance from a
-/// point to an ellipse, an ellipsoid, or a hyperellipsoid").
+/// The nearest point of an ellipsoid by its Lagrange multiplier (Eberly, "Distance from a point to an ellipse, an ellipsoid, or a
+/// hyperellipsoid"), as trust regions find theirs (Moré and Sorensen, "Computing a Trust Region Step", 1983).
 fn ellipsoid(p: &Vector3<f64>, semi_axes: [f64; 3]) -> (f64, Vector3<f64>) {
     let e = Vector3::from(semi_axes);
-    let least = e.min();
-    let y = p.map(|x| x.abs().max(1e-12 * least));
-    // F(t) = Σ (e y / (t + e²))² − 1 falls from +∞ at −least² to −1.
-    let value = |t: f64| (0..3).map(|k| (e[k] * y[k] / (t + e[k] * e[k])).powi(2)).sum::<f64>() - 1.0;
-    let (mut low, mut high) = (-least * least, e.component_mul(&y).norm());
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+    let y = p.map(|x| x.abs().max(1e-12 * e.min()));
+    let weighted = e.component_mul(&y);
+    // The squared length of e y / (t + e²), and half of how fast it falls.
+    let value = |t: f64| {
+        (0..3).fold((0.0, 0.0), |(squared, falls), k| {
+            let term = weighted[k] / (t + e[k] * e[k]);
+            (squared + term * term, falls + term * term / (t + e[k] * e[k]))
+        })
+    };
+    // It is to be 1. Where a single term is, it is more; from there on the inverse of the length is concave and grows, so that
+    // Newton's steps come ever nearer to the root and never beyond it.
+    let mut t = (0..3).map(|k| weighted[k] - e[k] * e[k]).fold(f64::NEG_INFINITY, f64::max);
+    for _ in 0..100 {
+        let (squared, falls) = value(t);
+        let next = t + squared * (squared.sqrt() - 1.0) / falls;
+        if next <= t || next.is_nan() {
             break;
         }
-        if value(middle) > 0.0 { low = middle } else { high = middle }
+        t = next;
     }
-    let t = 0.5 * (low + high);
     let nearest = Vector3::from_fn(|k, _| (e[k] * e[k] * y[k] / (t + e[k] * e[k])).copysign(p[k]));
     let normal = Vector3::from_fn(|k, _| nearest[k] / (e[k] * e[k])).normalize();
-    let inside = value(0.0) < 0.0;
+    let inside = value(0.0).0 < 1.0;
     let distance = (p - nearest).norm();
     (if inside { -distance } else { distance }, normal)
 }

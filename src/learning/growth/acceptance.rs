@@ -14,10 +14,8 @@ use crate::learning::prediction::{add_row, information_inverse, row_variance};
 use crate::learning::scrutiny::Member;
 use crate::schema::BodySchema;
 
-/// Touches that others check which a joint needs, …
-const CHECKED_OF_JOINT: f64 = 8.0;
-/// … and a limb.
-const CHECKED_OF_LIMB: f64 = 3.0;
+/// Touches that others check which a joint needs, or a limb: a wrong answer closes none of them but by chance.
+const CHECKED: f64 = 3.0;
 /// The most that the skin on a known joint may be off by its axes where the joint turns as far as it can, one standard deviation,
 /// metres; but as much as this an axis may be off wherever its skin is, and never more than that where it turns by a radian, radians.
 const SURE: f64 = 5e-3;
@@ -121,7 +119,7 @@ impl Growth {
             let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
             let twins = self.twins(problem, solved, &covariance);
             let doubtful = |joint: &usize| {
-                of_joint(*joint) < CHECKED_OF_JOINT
+                of_joint(*joint) < CHECKED
                     || deviation(*joint) > sure(*joint)
                     || twins[*joint]
                     || (may_turn_back.contains(joint)
@@ -136,7 +134,7 @@ impl Growth {
             }
             let of_limb = |limb: usize| checked(LIMB_FREEDOM, &|touch| touch.told.limbs.contains(&limb));
             let lonely = |limb: &usize| {
-                of_limb(*limb) < CHECKED_OF_LIMB
+                of_limb(*limb) < CHECKED
                     && new.iter().any(|&number| self.touches[number].told.limbs.contains(limb))
             };
             let limbs = part.limbs.iter().copied().filter(lonely);

@@ -49,24 +49,26 @@ const POINT: f64 = 1e-4;
 pub const FREEDOM: usize = 4;
 /// … and where two limbs are that do not move on their joints.
 pub const LIMB_FREEDOM: usize = 2;
-/// Starts from random initial guesses with the first part of a body, of which most are soon given up, …
-const FIRST_STARTS: usize = 200;
-/// … of no more unknowns than these, …
-const FIRST_WIDTH: f64 = 45.0;
-/// … and with all others.
+/// Starts from random initial guesses with all parts but the first.
 const STARTS: usize = 16;
-/// Touches that the first part needs, in units of its joints' unknowns: limbs that rest have theirs, too.
-const FIRST_TOUCHES: f64 = 3.5;
+/// Unknowns of a first part from which on fewer starts are made, and more touches needed.
+const FIRST_WIDTH: f64 = 45.0;
+/// At first little is waited for: a body that touches itself readily is soon learned.
+const HASTY: Patience = Patience { touches: 1.4, more: 1.2, starts: 40.0 };
+/// … and where that was in vain, for much: wide parts seldom succeed, and narrow ones have wrong answers.
+const PATIENT: Patience = Patience { touches: 3.5, more: 1.5, starts: 200.0 };
+/// Starts with first parts that were made in haste, after which there is no more of it.
+const HASTY_STARTS: usize = 120;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
 /// … and where no touches join others to them: of these several starts must agree.
 const NARROWEST_SET: usize = 18;
 /// Touches that a part needs, in units of its unknowns.
-const TOUCHES: f64 = 1.8;
+const TOUCHES: f64 = 1.3;
 /// … and in units of all unknowns that its touches tell of.
-const TOUCHES_OF_ALL: f64 = 1.2;
+const TOUCHES_OF_ALL: f64 = 1.05;
 /// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
-pub const MORE: f64 = 1.5;
+const MORE: f64 = 1.2;
 /// Touches of one pair of limbs with the same joints moving that tell enough.
 const ALIKE: usize = 25;
 /// … as long as nothing is known, …
@@ -89,6 +91,17 @@ const TRIED_AT_LAST: usize = 8;
 /// Schemas on the way that are kept; of more every second one is forgotten.
 const MOST_OF_WAY: usize = 12;
 
+/// What is waited for before a first part is learned.
+#[derive(Clone, Copy, Debug)]
+struct Patience {
+    /// Touches that it needs, in units of its joints' unknowns: limbs that rest have theirs, too.
+    touches: f64,
+    /// Those that it needs where it was tried in vain, in units of those that it had.
+    more: f64,
+    /// Starts from random initial guesses, of which most are soon given up.
+    starts: f64,
+}
+
 /// A body's schema as it grows.
 #[derive(Clone, Debug)]
 pub struct Growth {
@@ -101,6 +114,8 @@ pub struct Growth {
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
     starts: usize,
+    /// Whether a first part is looked for in haste.
+    hurries: bool,
     touches: Vec<GrownTouch>,
     /// Per joint, how far the skin that it carries may be from it at the most, metres.
     reach: Vec<f64>,
@@ -153,6 +168,7 @@ impl Growth {
             deadline: Deadline::Never,
             solves: 0,
             starts: 0,
+            hurries: false,
             touches: Vec::new(),
             resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
             placement: vec![f64::INFINITY; creature.limbs().len()],
@@ -187,12 +203,12 @@ impl Growth {
         };
         let unresolved: Vec<usize> =
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
-        let spare = alike >= least.max((FIRST_TOUCHES * self.width(&unresolved) as f64) as usize);
+        let spare = alike >= least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
         self.touches.push(GrownTouch { told, freedom, used: false, spare, refused: None });
         let due = self.touches.len() >= self.next;
         if due {
             let few = EVERY.max(self.touches.len() / EVERY_SHARE);
-            let many = ((MORE - 1.0) * self.touches.len() as f64) as usize;
+            let many = ((PATIENT.more - 1.0) * self.touches.len() as f64) as usize;
             self.next = self.touches.len() + if self.gave_up() { many } else { few };
         }
         let grown = due && self.grow_trying(TRIED);
@@ -212,6 +228,60 @@ impl Growth {
     /// Learns by what touches report, from the next one on.
     pub fn learn_from(&mut self, input: Input) {
         self.input = input;
+    }
+
+    /// Looks for a first part in haste from now on, or does not.
+    pub fn hurry(&mut self, hurries: bool) {
+        self.hurries = hurries;
+    }
+
+    /// Whether it does.
+    pub fn hurries(&self) -> bool {
+        self.hurries
+    }
+
+    fn patience(&self) -> Patience {
+        if self.hurries { HASTY } else { PATIENT }
+    }
+
+    /// How many touches there will be when the next first part that is narrow can be tried, if touches go on as they were; none
+    /// where haste was in vain often enough.
+    pub fn first_part_foreseen(&self) -> Option<f64> {
+        let telling = self.touches.iter().filter(|touch| touch.freedom >= FREEDOM);
+        let moved: BTreeSet<&Vec<usize>> = telling.map(|touch| &touch.told.moving).collect();
+        let narrow = FEWEST_UNKNOWNS..=FIRST_WIDTH as usize;
+        let sets = moved.into_iter().filter(|joints| narrow.contains(&self.width(joints)));
+        let foreseen = sets.map(|joints| {
+            let rate = self.touches_within(joints) as f64 / self.touches.len() as f64;
+            self.wanted(&Part { joints: joints.clone(), limbs: Vec::new() }) / rate
+        });
+        let least = foreseen.reduce(f64::min);
+        least.filter(|_| self.starts < HASTY_STARTS)
+    }
+
+    /// Touches with freedom enough in which nothing moves but some joints.
+    fn touches_within(&self, joints: &[usize]) -> usize {
+        let within = |touch: &&GrownTouch| {
+            touch.freedom >= FREEDOM && touch.told.moving.iter().all(|joint| joints.contains(joint))
+        };
+        self.touches.iter().filter(within).count()
+    }
+
+    /// Touches that a first part of so many unknowns needs. Wide ones seldom succeed: narrow ones are given time.
+    pub fn first_touches(&self, unknowns: usize) -> f64 {
+        let unknowns = unknowns as f64;
+        self.patience().touches * unknowns * (unknowns / FIRST_WIDTH).max(1.0)
+    }
+
+    /// Those that it needs where it was tried in vain with so many.
+    pub fn more_touches(&self, before: usize) -> f64 {
+        self.patience().more * before as f64
+    }
+
+    /// Touches that a first part needs, tried in vain or not.
+    fn wanted(&self, part: &Part) -> f64 {
+        let before = self.failed.get(&part.key()).copied().unwrap_or(0);
+        self.first_touches(self.width(&part.joints)).max(self.more_touches(before))
     }
 
     /// Tries no more parts after a deadline.
@@ -336,15 +406,10 @@ impl Growth {
     fn grow_first(&mut self, tried: usize) -> bool {
         let mut candidates: Vec<(Part, usize)> = Vec::new();
         for joints in self.first_sets() {
-            let within = |touch: &&GrownTouch| {
-                touch.freedom >= FREEDOM && touch.told.moving.iter().all(|joint| joints.contains(joint))
-            };
-            let touches = self.touches.iter().filter(within).count();
+            let touches = self.touches_within(&joints);
             let limbs = (0..self.agent.creature().limbs().len()).collect();
             let part = Part { joints, limbs };
-            let wanted = first_touches(self.width(&part.joints));
-            let before = self.failed.get(&part.key()).copied().unwrap_or(0);
-            if touches as f64 >= wanted && touches as f64 >= MORE * before as f64 {
+            if touches as f64 >= self.wanted(&part) {
                 candidates.push((part, touches));
             }
         }
@@ -355,7 +420,7 @@ impl Growth {
             let known = problem.is_some_and(|problem| {
                 // Wide ones cost more each, and fewer find the answer.
                 let share = (FIRST_WIDTH / problem.unit.len() as f64).powi(2).min(1.0);
-                self.learn(&problem, (share * FIRST_STARTS as f64) as usize)
+                self.learn(&problem, (share * self.patience().starts) as usize)
             });
             if !known {
                 self.failed.insert(part.key(), touches);
@@ -420,12 +485,6 @@ impl Growth {
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
         self.scrutiny().set(touches.map(|touch| &touch.told))
     }
-}
-
-/// Touches that a first part of so many unknowns needs. Wide ones seldom succeed: narrow ones are given time.
-pub fn first_touches(unknowns: usize) -> f64 {
-    let unknowns = unknowns as f64;
-    FIRST_TOUCHES * unknowns * (unknowns / FIRST_WIDTH).max(1.0)
 }
 
 /// Whether a joint has axes to be learned: a ball has none.

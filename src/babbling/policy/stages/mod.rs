@@ -168,7 +168,7 @@ impl Stages {
             done: growth.resolved().iter().all(|&resolved| resolved),
             growth,
         };
-        stages.begin_trials();
+        stages.begin_at_random();
         stages
     }
 

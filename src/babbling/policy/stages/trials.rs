@@ -1,11 +1,16 @@
-//! Which joints are learned first: sets of joints between two limbs are tried for how soon they touch.
+//! Which joints are learned first: those that touch soon while all move or, where that is in vain, sets of joints between two
+//! limbs, which are tried for how soon they touch.
 
 use std::collections::BTreeMap;
 
 use super::{Goal, Stages};
 use crate::kinematics::Chain;
-use crate::learning::growth::{FEWEST_UNKNOWNS, MORE, first_touches};
+use crate::learning::growth::{FEWEST_UNKNOWNS, Growth};
 
+/// Touches at random with all joints before it is foreseen when a first part will have touches enough, and the most that it may
+/// take: chance touches tell of all joints, and so of the next parts, too.
+const SURVEY_TOUCHES: usize = 40;
+const MOST_FORESEEN: f64 = 350.0;
 /// Sets of joints that are tried, …
 const SETS: usize = 16;
 /// … as many of each of so many sizes.
@@ -37,9 +42,10 @@ pub(super) struct FirstSet {
 }
 
 impl FirstSet {
-    fn of(unknowns: usize, set: Vec<usize>) -> FirstSet {
+    fn of(growth: &Growth, set: Vec<usize>) -> FirstSet {
+        let unknowns = growth.width(&set);
         let hardness = 2f64.powf(unknowns as f64 / HARDER);
-        FirstSet { set, hardness, touches: 0, motions: 0, wanted: first_touches(unknowns) }
+        FirstSet { set, hardness, touches: 0, motions: 0, wanted: growth.first_touches(unknowns) }
     }
 
     /// Motions that are missing until it should be learned.
@@ -81,11 +87,24 @@ impl Stages {
         (0..SIZES).flat_map(of_size).collect()
     }
 
-    /// Begins with the first set; all joints are the last.
-    pub(super) fn begin_trials(&mut self) {
+    /// Begins with all joints, in haste.
+    pub(super) fn begin_at_random(&mut self) {
+        self.growth.hurry(true);
+        self.begin_trials_with(Vec::new());
+    }
+
+    /// Whether it is still worth while to wait for what all joints touch by chance.
+    fn waits_for_chance(&self) -> bool {
+        let surveyed = self.trials[0].touches >= SURVEY_TOUCHES || self.motions >= SURVEY_MOTIONS;
+        let soon = |foreseen: f64| foreseen < MOST_FORESEEN;
+        !surveyed || self.growth.first_part_foreseen().is_some_and(soon)
+    }
+
+    /// Begins with the first of some sets; all joints are the last.
+    fn begin_trials_with(&mut self, sets: Vec<Vec<usize>>) {
         let all: Vec<usize> = (0..self.free.len()).collect();
-        let sets = self.first_sets().into_iter().chain([all]);
-        self.trials = sets.map(|set| FirstSet::of(self.growth.width(&set), set)).collect();
+        let sets = sets.into_iter().chain([all]);
+        self.trials = sets.map(|set| FirstSet::of(&self.growth, set)).collect();
         self.begin_trial(0);
     }
 
@@ -115,6 +134,13 @@ impl Stages {
 
     /// Goes on with the trials, or with the set that needs least to be learned.
     pub(super) fn try_on(&mut self) {
+        if self.growth.hurries() {
+            if !self.waits_for_chance() {
+                self.growth.hurry(false);
+                self.begin_trials_with(self.first_sets());
+            }
+            return;
+        }
         let enough = self.trials[self.trial].touches >= TRIAL_TOUCHES;
         let tried = self.is_choosing && enough && !self.is_survey(self.trial);
         if self.motions < self.patience && !tried {
@@ -128,7 +154,7 @@ impl Stages {
         self.is_choosing = false;
         let trial = &mut self.trials[self.trial];
         if trial.touches as f64 >= trial.wanted {
-            trial.wanted = MORE * trial.touches as f64;
+            trial.wanted = self.growth.more_touches(trial.touches);
         }
         let cost = |number: &usize| self.trials[*number].cost();
         let best = (0..self.trials.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(0);
