@@ -15,7 +15,7 @@ use crate::learning::scrutiny::Member;
 use crate::schema::BodySchema;
 
 /// Touches that others check which a joint needs, or a limb: a wrong answer closes none of them but by chance.
-const CHECKED: f64 = 3.0;
+const CHECKED: f64 = 4.0;
 /// The most that the skin on a known joint may be off by its axes where the joint turns as far as it can, one standard deviation,
 /// metres; but as much as this an axis may be off wherever its skin is, and never more than that where it turns by a radian, radians.
 const SURE: f64 = 5e-3;

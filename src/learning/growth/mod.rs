@@ -56,19 +56,22 @@ const FIRST_WIDTH: f64 = 45.0;
 /// At first little is waited for: a body that touches itself readily is soon learned.
 const HASTY: Patience = Patience { touches: 1.4, more: 1.2, starts: 40.0 };
 /// … and where that was in vain, for much: wide parts seldom succeed, and narrow ones have wrong answers.
-const PATIENT: Patience = Patience { touches: 3.5, more: 1.5, starts: 200.0 };
+const PATIENT: Patience = Patience { touches: 3.5, more: MORE, starts: 200.0 };
 /// Starts with first parts that were made in haste, after which there is no more of it.
 const HASTY_STARTS: usize = 120;
+/// The least share of all unknowns that a part which is learned in haste has: from a small part of a large body it is far to the
+/// others.
+const HASTY_SHARE: f64 = 1.0 / 6.0;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
 /// … and where no touches join others to them: of these several starts must agree.
 const NARROWEST_SET: usize = 18;
 /// Touches that a part needs, in units of its unknowns.
-const TOUCHES: f64 = 1.3;
+const TOUCHES: f64 = 1.8;
 /// … and in units of all unknowns that its touches tell of.
-const TOUCHES_OF_ALL: f64 = 1.05;
+const TOUCHES_OF_ALL: f64 = 1.2;
 /// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
-const MORE: f64 = 1.2;
+const MORE: f64 = 1.5;
 /// Touches of one pair of limbs with the same joints moving that tell enough.
 const ALIKE: usize = 25;
 /// … as long as nothing is known, …
@@ -208,7 +211,7 @@ impl Growth {
         let due = self.touches.len() >= self.next;
         if due {
             let few = EVERY.max(self.touches.len() / EVERY_SHARE);
-            let many = ((PATIENT.more - 1.0) * self.touches.len() as f64) as usize;
+            let many = ((MORE - 1.0) * self.touches.len() as f64) as usize;
             self.next = self.touches.len() + if self.gave_up() { many } else { few };
         }
         let grown = due && self.grow_trying(TRIED);
@@ -249,8 +252,10 @@ impl Growth {
     pub fn first_part_foreseen(&self) -> Option<f64> {
         let telling = self.touches.iter().filter(|touch| touch.freedom >= FREEDOM);
         let moved: BTreeSet<&Vec<usize>> = telling.map(|touch| &touch.told.moving).collect();
-        let narrow = FEWEST_UNKNOWNS..=FIRST_WIDTH as usize;
-        let sets = moved.into_iter().filter(|joints| narrow.contains(&self.width(joints)));
+        let all: Vec<usize> = (0..self.resolved.len()).collect();
+        let least = (HASTY_SHARE * self.width(&all) as f64).max(FEWEST_UNKNOWNS as f64);
+        let narrow = |joints: &&Vec<usize>| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
+        let sets = moved.into_iter().filter(narrow);
         let foreseen = sets.map(|joints| {
             let rate = self.touches_within(joints) as f64 / self.touches.len() as f64;
             self.wanted(&Part { joints: joints.clone(), limbs: Vec::new() }) / rate
