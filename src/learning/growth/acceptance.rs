@@ -8,7 +8,6 @@ use super::evidence::Equation;
 use super::solving::{PartProblem, Solved};
 use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
 use crate::creature::DofKind;
-use crate::deadline::in_parallel;
 use crate::learning::Parameters;
 use crate::learning::prediction::{add_row, information_inverse, row_variance};
 use crate::learning::scrutiny::Member;
@@ -21,8 +20,6 @@ const CHECKED: f64 = 4.0;
 const SURE: f64 = 5e-3;
 const SURE_AXIS: f64 = 0.02;
 const UNSURE_AXIS: f64 = 0.2;
-/// Two ways to turn that bring skin no farther apart are one, metres.
-const ALIKE: f64 = 1e-3;
 /// The leverage from which on no others check a touch, …
 const UNCHECKED: f64 = 0.97;
 /// … and the share of such touches that is left out at once: without the worst the others may be checked.
@@ -34,8 +31,6 @@ const TWIN: f64 = 20.0;
 /// … and by more than this, radians and metres.
 const TWIN_AXIS: f64 = 0.02;
 const TWIN_POSITION: f64 = 2e-3;
-/// An answer explains touches as well where it closes this share of those that another closes.
-const AS_WELL: f64 = 0.7;
 /// The fewest touches that anything is learned from.
 const FEWEST: usize = 5;
 
@@ -81,7 +76,6 @@ impl Growth {
             rows.insert(number, self.equations(&self.touches[number], &problem.unit, schema));
         }
         let believed = problem.information(schema);
-        let may_turn_back = self.may_turn_back(problem, solved, &new);
         loop {
             if new.len() < FEWEST || is_nothing(&joints) {
                 return None;
@@ -119,11 +113,7 @@ impl Growth {
             let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
             let twins = self.twins(problem, solved, &covariance);
             let doubtful = |joint: &usize| {
-                of_joint(*joint) < CHECKED
-                    || deviation(*joint) > sure(*joint)
-                    || twins[*joint]
-                    || (may_turn_back.contains(joint)
-                        && 2.0 * self.swing(*joint) * self.reach[*joint] > ALIKE)
+                of_joint(*joint) < CHECKED || deviation(*joint) > sure(*joint) || twins[*joint]
             };
             let worst =
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
@@ -143,28 +133,6 @@ impl Growth {
             };
             new.retain(|&number| !self.touches[number].told.limbs.contains(&limb));
         }
-    }
-
-    /// The joints of a part whose touches are explained as well where they turn, or slide, the other way: a limb felt
-    /// along its side tells hardly anything of how it slides along itself.
-    fn may_turn_back(&self, problem: &PartProblem, solved: &Solved, new: &[usize]) -> Vec<usize> {
-        let creature = self.agent.creature();
-        let as_well = |joint: usize| {
-            let mut other = solved.schema.clone();
-            creature.joints()[joint].dof_indices().for_each(|dof| other.axes[dof] = -other.axes[dof]);
-            let other = self.closed_from(problem, other);
-            let of_it: Vec<usize> = new
-                .iter()
-                .copied()
-                .filter(|&number| self.touches[number].told.moving.contains(&joint))
-                .collect();
-            let closed = of_it.iter().filter(|&&number| self.closes(&self.touches[number], &other)).count();
-            let turned = creature.joints()[joint]
-                .dof_indices()
-                .any(|dof| (other.axes[dof] - solved.schema.axes[dof]).norm() > TWIN_AXIS);
-            (turned && closed as f64 > AS_WELL * of_it.len() as f64).then_some(joint)
-        };
-        in_parallel(problem.part.joints.clone(), as_well).into_iter().flatten().collect()
     }
 
     /// Per joint, whether the answers of other starts have it elsewhere though touches seem to tell where it is.

@@ -368,12 +368,6 @@ impl Growth {
         }
     }
 
-    /// The answer that is nearest to a schema.
-    pub(super) fn closed_from(&self, problem: &PartProblem, schema: BodySchema) -> BodySchema {
-        let beliefs = problem.beliefs();
-        self.closest([WIDEST, SHARP], &problem.touches, &problem.unit, &beliefs, schema)
-    }
-
     /// An initial guess of a body of which nothing is known.
     fn first_guess(&self, problem: &PartProblem, rng: &mut ChaCha8Rng) -> BodySchema {
         let mut guess = problem.base.clone();

@@ -90,7 +90,12 @@ impl Stages {
     /// Begins with all joints, in haste.
     pub(super) fn begin_at_random(&mut self) {
         self.growth.hurry(true);
-        self.begin_trials_with(Vec::new());
+        self.trials = vec![self.all_joints()];
+        self.move_set(0, SURVEY_MOTIONS);
+    }
+
+    fn all_joints(&self) -> FirstSet {
+        FirstSet::of(&self.growth, (0..self.free.len()).collect())
     }
 
     /// Whether it is still worth while to wait for what all joints touch by chance.
@@ -100,20 +105,14 @@ impl Stages {
         !surveyed || self.growth.first_part_foreseen().is_some_and(soon)
     }
 
-    /// Begins with the first of some sets; all joints are the last.
-    fn begin_trials_with(&mut self, sets: Vec<Vec<usize>>) {
-        let all: Vec<usize> = (0..self.free.len()).collect();
-        let sets = sets.into_iter().chain([all]);
-        self.trials = sets.map(|set| FirstSet::of(&self.growth, set)).collect();
-        self.begin_trial(0);
-    }
-
-    fn is_survey(&self, trial: usize) -> bool {
-        trial + 1 == self.trials.len()
-    }
-
-    fn begin_trial(&mut self, number: usize) {
-        self.move_set(number, if self.is_survey(number) { SURVEY_MOTIONS } else { TRIAL_MOTIONS });
+    /// Begins with the first set; all joints, which were tried already, are the last.
+    fn begin_trials(&mut self) {
+        self.growth.hurry(false);
+        let FirstSet { touches, motions, .. } = self.trials[0];
+        let all = FirstSet { touches, motions: motions + self.motions, ..self.all_joints() };
+        let sets = self.first_sets().into_iter().map(|set| FirstSet::of(&self.growth, set));
+        self.trials = sets.chain([all]).collect();
+        self.move_set(0, TRIAL_MOTIONS);
     }
 
     fn move_set(&mut self, number: usize, motions: usize) {
@@ -136,19 +135,17 @@ impl Stages {
     pub(super) fn try_on(&mut self) {
         if self.growth.hurries() {
             if !self.waits_for_chance() {
-                self.growth.hurry(false);
-                self.begin_trials_with(self.first_sets());
+                self.begin_trials();
             }
             return;
         }
         let enough = self.trials[self.trial].touches >= TRIAL_TOUCHES;
-        let tried = self.is_choosing && enough && !self.is_survey(self.trial);
-        if self.motions < self.patience && !tried {
+        if self.motions < self.patience && !(self.is_choosing && enough) {
             return;
         }
         self.trials[self.trial].motions += self.motions;
-        if self.is_choosing && !self.is_survey(self.trial) {
-            self.begin_trial(self.trial + 1);
+        if self.is_choosing && self.trial + 2 < self.trials.len() {
+            self.move_set(self.trial + 1, TRIAL_MOTIONS);
             return;
         }
         self.is_choosing = false;
