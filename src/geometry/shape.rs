@@ -243,16 +243,19 @@ fn ellipsoid(p: &Vector3<f64>, semi_axes: [f64; 3]) -> (f64, Vector3<f64>) {
     let e = Vector3::from(semi_axes);
     let y = p.map(|x| x.abs().max(1e-12 * e.min()));
     let weighted = e.component_mul(&y);
-    // The squared length of e y / (t + e²), and half of how fast it falls.
+    // The multiplier is counted from where the least axis has its pole: near to it nothing cancels.
+    let least = e.min() * e.min();
+    let beyond = e.map(|e| e * e - least);
+    // The squared length of e y / (t + e² − least²), and half of how fast it falls.
     let value = |t: f64| {
         (0..3).fold((0.0, 0.0), |(squared, falls), k| {
-            let term = weighted[k] / (t + e[k] * e[k]);
-            (squared + term * term, falls + term * term / (t + e[k] * e[k]))
+            let term = weighted[k] / (t + beyond[k]);
+            (squared + term * term, falls + term * term / (t + beyond[k]))
         })
     };
     // It is to be 1. Where a single term is, it is more; from there on the inverse of the length is concave and grows, so that
     // Newton's steps come ever nearer to the root and never beyond it.
-    let mut t = (0..3).map(|k| weighted[k] - e[k] * e[k]).fold(f64::NEG_INFINITY, f64::max);
+    let mut t = (weighted - beyond).max();
     for _ in 0..100 {
         let (squared, falls) = value(t);
         let next = t + squared * (squared.sqrt() - 1.0) / falls;
@@ -261,9 +264,9 @@ fn ellipsoid(p: &Vector3<f64>, semi_axes: [f64; 3]) -> (f64, Vector3<f64>) {
         }
         t = next;
     }
-    let nearest = Vector3::from_fn(|k, _| (e[k] * e[k] * y[k] / (t + e[k] * e[k])).copysign(p[k]));
+    let nearest = Vector3::from_fn(|k, _| (e[k] * weighted[k] / (t + beyond[k])).copysign(p[k]));
     let normal = Vector3::from_fn(|k, _| nearest[k] / (e[k] * e[k])).normalize();
-    let inside = value(0.0).0 < 1.0;
+    let inside = value(least).0 < 1.0;
     let distance = (p - nearest).norm();
     (if inside { -distance } else { distance }, normal)
 }
@@ -279,6 +282,29 @@ mod tests {
         Shape::Cylinder { radius: 0.2, half_length: 0.1 },
         Shape::Box { half_extents: [0.1, 0.2, 0.3] },
     ];
+
+    /// From the nearest point of an ellipsoid to any point leads its normal, inside, outside and near its axes, however flat or long
+    /// it is.
+    #[test]
+    fn the_nearest_point_of_an_ellipsoid_is_where_its_normal_leads_to_the_point() {
+        for semi_axes in [[0.3, 0.2, 0.1], [1.0, 1e-3, 0.5], [1e-3, 1e-3, 1.0], [0.2, 0.2, 0.2]] {
+            for p in [
+                [0.5, 0.2, -0.4],
+                [1e-9, -0.6, 0.05],
+                [10.0, 20.0, -30.0],
+                [1e-4, 1e-5, -2e-4],
+                [0.0, 0.0, 0.7],
+            ] {
+                let p = Vector3::from(p);
+                let (distance, normal) = ellipsoid(&p, semi_axes);
+                let nearest = p - normal * distance;
+                let scaled = nearest.component_div(&Vector3::from(semi_axes));
+                assert!((scaled.norm() - 1.0).abs() < 1e-6, "{semi_axes:?} {p:?}: {}", scaled.norm());
+                let outward = scaled.component_div(&Vector3::from(semi_axes)).normalize();
+                assert!((outward - normal).norm() < 1e-6, "{semi_axes:?} {p:?}: {outward} {normal}");
+            }
+        }
+    }
 
     /// Moving a point by its distance against the normal must land on the surface, and outside the
     /// distance's gradient is the normal.

@@ -1,6 +1,7 @@
-//! Growing up: few joints move at first, and more as they are known.
+//! Growing up: few joints are learned at first, and more as they are known.
 //!
-//! All joints rest but a few. Which few is found by trial ([`trials`]). Once they are known (see
+//! All joints move at random until some that touched each other most can be learned; where that would take long, all rest but
+//! a few, and which few is found by trial ([`trials`]). Once they are known (see
 //! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
 //! known, towards a limb that is not placed yet ([`goals`]). Where the schema tells how, motions are aimed; where it does
 //! not, what was touched once is touched again, a little differently, or felt for where it was; and only ways are gone on
