@@ -250,26 +250,30 @@ impl Growth {
     /// How many touches there will be when the next first part that is narrow can be tried, if touches go on as they were; none
     /// where haste was in vain often enough.
     pub fn first_part_foreseen(&self) -> Option<f64> {
-        let telling = self.touches.iter().filter(|touch| touch.freedom >= FREEDOM);
-        let moved: BTreeSet<&Vec<usize>> = telling.map(|touch| &touch.told.moving).collect();
-        let all: Vec<usize> = (0..self.resolved.len()).collect();
-        let least = (HASTY_SHARE * self.width(&all) as f64).max(FEWEST_UNKNOWNS as f64);
-        let narrow = |joints: &&Vec<usize>| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
-        let sets = moved.into_iter().filter(narrow);
-        let foreseen = sets.map(|joints| {
-            let rate = self.touches_within(joints) as f64 / self.touches.len() as f64;
-            self.wanted(&Part { joints: joints.clone(), limbs: Vec::new() }) / rate
+        if self.starts >= HASTY_STARTS {
+            return None;
+        }
+        let moved = self.moved();
+        let least = (HASTY_SHARE * self.width_of_all() as f64).max(FEWEST_UNKNOWNS as f64);
+        let narrow = |joints: &&&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
+        let foreseen = moved.keys().filter(narrow).map(|joints| {
+            let rate = within(&moved, joints) as f64 / self.touches.len() as f64;
+            self.wanted(&Part { joints: joints.to_vec(), limbs: Vec::new() }) / rate
         });
-        let least = foreseen.reduce(f64::min);
-        least.filter(|_| self.starts < HASTY_STARTS)
+        foreseen.reduce(f64::min)
     }
 
-    /// Touches with freedom enough in which nothing moves but some joints.
-    fn touches_within(&self, joints: &[usize]) -> usize {
-        let within = |touch: &&GrownTouch| {
-            touch.freedom >= FREEDOM && touch.told.moving.iter().all(|joint| joints.contains(joint))
-        };
-        self.touches.iter().filter(within).count()
+    /// The sets of joints that moved in touches with freedom enough, and in how many.
+    fn moved(&self) -> BTreeMap<&[usize], usize> {
+        let mut moved = BTreeMap::new();
+        for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
+            *moved.entry(touch.told.moving.as_slice()).or_default() += 1;
+        }
+        moved
+    }
+
+    fn width_of_all(&self) -> usize {
+        self.width(&(0..self.resolved.len()).collect::<Vec<usize>>())
     }
 
     /// Touches that a first part of so many unknowns needs. Wide ones seldom succeed: narrow ones are given time.
@@ -410,8 +414,9 @@ impl Growth {
     /// Learns the first part: of all sets of joints that moved in touches enough for their size, the smallest that is solved.
     fn grow_first(&mut self, tried: usize) -> bool {
         let mut candidates: Vec<(Part, usize)> = Vec::new();
-        for joints in self.first_sets() {
-            let touches = self.touches_within(&joints);
+        let moved = self.moved();
+        for joints in self.first_sets(&moved) {
+            let touches = within(&moved, &joints);
             let limbs = (0..self.agent.creature().limbs().len()).collect();
             let part = Part { joints, limbs };
             if touches as f64 >= self.wanted(&part) {
@@ -437,34 +442,29 @@ impl Growth {
     /// The sets of joints that moved in touches, alone and with each other one that shares joints with it: touches between two
     /// limbs alone may have a wrong answer near the right one. Those with too few unknowns together with others, those with most
     /// touches first.
-    fn first_sets(&self) -> BTreeSet<Vec<usize>> {
-        let all: Vec<usize> = (0..self.resolved.len()).collect();
-        let fewest = FEWEST_UNKNOWNS.min(self.width(&all) / 2);
-        let mut moved: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
-            *moved.entry(touch.told.moving.clone()).or_default() += 1;
-        }
-        let widened = |set: &Vec<usize>| {
+    fn first_sets(&self, moved: &BTreeMap<&[usize], usize>) -> BTreeSet<Vec<usize>> {
+        let fewest = FEWEST_UNKNOWNS.min(self.width_of_all() / 2);
+        let widened = |set: &&[usize]| {
             let mut joints: BTreeSet<usize> = set.iter().copied().collect();
             loop {
                 let set: Vec<usize> = joints.iter().copied().collect();
                 if self.width(&set) >= fewest {
                     return Some(set);
                 }
-                let shares = |other: &Vec<usize>| other.iter().any(|joint| joints.contains(joint));
-                let adds = |other: &Vec<usize>| other.iter().any(|joint| !joints.contains(joint));
+                let shares = |other: &[usize]| other.iter().any(|joint| joints.contains(joint));
+                let adds = |other: &[usize]| other.iter().any(|joint| !joints.contains(joint));
                 let beside = moved.iter().filter(|(other, _)| shares(other) && adds(other));
                 match beside.max_by_key(|(_, touches)| **touches) {
-                    Some((next, _)) => joints.extend(next),
+                    Some((next, _)) => joints.extend(*next),
                     // There is nothing to be added.
                     None => return (self.width(&set) >= NARROWEST_SET).then_some(set),
                 }
             }
         };
         let with_others = moved.keys().flat_map(|set| {
-            let share = |other: &&Vec<usize>| other.iter().any(|joint| set.contains(joint));
+            let share = |other: &&&[usize]| other.iter().any(|joint| set.contains(joint));
             let others = moved.keys().filter(move |other| *other > set).filter(share);
-            let both = |other| -> BTreeSet<usize> { set.iter().chain(other).copied().collect() };
+            let both = |other: &&[usize]| -> BTreeSet<usize> { set.iter().chain(*other).copied().collect() };
             others.map(both).map(|both| both.into_iter().collect())
         });
         let solvable = |both: &Vec<usize>| (fewest..=FIRST_WIDTH as usize).contains(&self.width(both));
@@ -490,6 +490,12 @@ impl Growth {
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
         self.scrutiny().set(touches.map(|touch| &touch.told))
     }
+}
+
+/// Touches of sets of joints that moved in which nothing moved but some joints.
+fn within(moved: &BTreeMap<&[usize], usize>, joints: &[usize]) -> usize {
+    let inside = moved.iter().filter(|(set, _)| set.iter().all(|joint| joints.contains(joint)));
+    inside.map(|(_, touches)| touches).sum()
 }
 
 /// Whether a joint has axes to be learned: a ball has none.

@@ -100,7 +100,7 @@ impl Stages {
 
     /// Whether it is still worth while to wait for what all joints touch by chance.
     fn waits_for_chance(&self) -> bool {
-        let surveyed = self.trials[0].touches >= SURVEY_TOUCHES || self.motions >= SURVEY_MOTIONS;
+        let surveyed = self.trials[0].touches >= SURVEY_TOUCHES || self.motions >= self.patience;
         let soon = |foreseen: f64| foreseen < MOST_FORESEEN;
         !surveyed || self.growth.first_part_foreseen().is_some_and(soon)
     }
