@@ -64,6 +64,12 @@ impl Frame {
     }
 }
 
+impl Default for Frame {
+    fn default() -> Frame {
+        Frame::identity()
+    }
+}
+
 impl From<Isometry3<f64>> for Frame {
     fn from(pose: Isometry3<f64>) -> Frame {
         Frame { rotation: pose.rotation.to_rotation_matrix().into_inner(), origin: pose.translation.vector }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::forward::{DofTransform, carry_through, joint_transforms};
+use super::forward::{DofTransform, carry_past, carry_through, joint_transforms};
 use super::rotation::axis_derivative;
 use crate::creature::Creature;
 use crate::geometry::Frame;
@@ -53,32 +53,62 @@ impl Chain {
 /// degrees of freedom. Learners keep a touch in several sets: its copies share this.
 #[derive(Clone, Debug, Default)]
 pub struct ChainSide {
-    /// Joint and the number of its steps.
-    joints: Arc<[(usize, usize)]>,
+    links: Arc<[Link]>,
     /// Degree of freedom, and what it does.
     steps: Arc<[(usize, DofTransform)]>,
+}
+
+/// A piece of a side.
+#[derive(Clone, Debug)]
+enum Link {
+    /// A joint, with so many of the steps.
+    Joint { joint: usize, steps: usize },
+    /// Joints that are held, multiplied out: `X_PL` from before the first to behind the last.
+    Held(Frame),
 }
 
 impl ChainSide {
     /// Prepares the side `joints` (ancestor first) at `posture`.
     pub fn new(creature: &Creature, joints: &[usize], posture: &[f64]) -> ChainSide {
         let joints = joints.iter().map(|&j| (j, &creature.joints()[j]));
-        let counts = joints.clone().map(|(j, joint)| (j, joint.dofs.len())).collect();
+        let links = joints.clone().map(|(j, joint)| Link::Joint { joint: j, steps: joint.dofs.len() });
+        let links = links.collect();
         let mut steps = Vec::new();
         joints.for_each(|(_, joint)| steps.extend(joint_transforms(joint, posture)));
-        ChainSide { joints: counts, steps: steps.into() }
+        ChainSide { links, steps: steps.into() }
+    }
+
+    /// The same side where some joints stay as a schema has them: they are multiplied out, and tell of themselves no more.
+    pub fn with_held(&self, schema: &BodySchema, is_held: impl Fn(usize) -> bool) -> ChainSide {
+        let (mut links, mut kept) = (Vec::new(), Vec::new());
+        let mut rest = self.steps.as_ref();
+        for link in self.links.iter() {
+            let (steps, after) = rest.split_at(link.steps());
+            rest = after;
+            match (link, links.last_mut()) {
+                (Link::Joint { joint, .. }, _) if !is_held(*joint) => {
+                    kept.extend_from_slice(steps);
+                    links.push(link.clone());
+                }
+                (_, Some(Link::Held(frame))) => link.carry(schema, steps, frame, |_, _, _| {}),
+                _ => {
+                    let mut frame = Frame::identity();
+                    link.carry(schema, steps, &mut frame, |_, _, _| {});
+                    links.push(Link::Held(frame));
+                }
+            }
+        }
+        ChainSide { links: links.into(), steps: kept.into() }
     }
 
     /// The same side in a posture in which each joint is as on another of some sides like it, `of` says which of them by the
     /// joint's place: a posture that may never have been.
     pub fn mixed<'a>(&self, of: impl Fn(usize) -> &'a ChainSide) -> ChainSide {
         let mut steps = Vec::with_capacity(self.steps.len());
-        let mut first = 0;
-        for (place, (_, count)) in self.joints.iter().enumerate() {
-            steps.extend_from_slice(&of(place).steps[first..first + count]);
-            first += count;
+        for (place, link) in self.links.iter().enumerate() {
+            steps.extend_from_slice(&of(place).steps[steps.len()..][..link.steps()]);
         }
-        ChainSide { joints: self.joints.clone(), steps: steps.into() }
+        ChainSide { links: self.links.clone(), steps: steps.into() }
     }
 
     /// `X_CL`: the pose of the limb at the end of the side in its ancestor.
@@ -90,9 +120,11 @@ impl ChainSide {
     #[inline]
     fn walk(&self, schema: &BodySchema, mut visit: impl FnMut(usize, &DofTransform, &Frame)) -> Frame {
         let mut frame = Frame::identity();
-        let mut steps = self.steps.iter().map(|(dof, transform)| (*dof, transform));
-        for &(joint, count) in self.joints.iter() {
-            carry_through(schema, joint, steps.by_ref().take(count), &mut frame, &mut visit);
+        let mut rest = self.steps.as_ref();
+        for link in self.links.iter() {
+            let (steps, after) = rest.split_at(link.steps());
+            rest = after;
+            link.carry(schema, steps, &mut frame, &mut visit);
         }
         frame
     }
@@ -126,35 +158,57 @@ impl ChainSide {
     /// those of [`angle_derivatives`](ChainSide::angle_derivatives), radians.
     pub fn turned(&self, angles: &mut impl Iterator<Item = f64>) -> ChainSide {
         let turned = |(dof, transform): &(usize, DofTransform)| (*dof, transform.turned_on(angles));
-        ChainSide { joints: self.joints.clone(), steps: self.steps.iter().map(turned).collect() }
+        ChainSide { links: self.links.clone(), steps: self.steps.iter().map(turned).collect() }
     }
 
     /// `p_C = X_CL p_L` and its derivatives by every position, axis and limb's pose of the side, into `jacobian`.
     pub fn point_jacobian(&self, schema: &BodySchema, p_l: &Vector3<f64>, jacobian: &mut SideJacobian) {
+        self.outwards(schema, jacobian);
+        self.inwards(schema, p_l, jacobian);
+    }
+
+    /// The first half of [`point_jacobian`](ChainSide::point_jacobian), which no point enters: the linear map from each step to C,
+    /// and `X_CL`.
+    pub fn outwards(&self, schema: &BodySchema, jacobian: &mut SideJacobian) {
         jacobian.joints.clear();
         jacobian.dofs.clear();
         jacobian.poses.clear();
-        // Outwards: the linear map from each step to C.
-        let mut steps = self.steps.iter();
-        let mut map = Matrix3::identity();
-        for &(joint, count) in self.joints.iter() {
-            jacobian.joints.push((joint, map));
-            for (dof, transform) in steps.by_ref().take(count) {
-                jacobian.dofs.push((*dof, map));
-                map = transform.turned(&schema.axes[*dof], map);
-            }
-            if let Some(pose) = schema.limb_poses.get(joint) {
-                jacobian.poses.push(PoseJacobian { joint, map, point: Vector3::zeros() });
-                map *= pose.rotation;
+        let mut frame = Frame::identity();
+        let mut steps = self.steps.iter().map(|(dof, transform)| (*dof, transform));
+        for link in self.links.iter() {
+            match *link {
+                Link::Held(held) => frame = frame * held,
+                Link::Joint { joint, steps: count } => {
+                    jacobian.joints.push((joint, frame.rotation));
+                    carry_past(schema, joint, steps.by_ref().take(count), &mut frame, |dof, _, before| {
+                        jacobian.dofs.push((dof, before.rotation));
+                    });
+                    if let Some(pose) = schema.limb_poses.get(joint) {
+                        let map = frame.rotation;
+                        jacobian.poses.push(PoseJacobian { joint, map, point: Vector3::zeros() });
+                        frame = frame * *pose;
+                    }
+                }
             }
         }
-        jacobian.rotation = map;
-        // Inwards: the point as each step meets it.
+        jacobian.frame = frame;
+    }
+
+    /// The second half: the point as each step meets it, from the limb to C.
+    pub fn inwards(&self, schema: &BodySchema, p_l: &Vector3<f64>, jacobian: &mut SideJacobian) {
         let mut p = *p_l;
         let mut k = self.steps.len();
-        for (number, &(joint, count)) in self.joints.iter().enumerate().rev() {
+        let mut poses = jacobian.poses.iter_mut().rev();
+        for link in self.links.iter().rev() {
+            let (joint, count) = match *link {
+                Link::Joint { joint, steps } => (joint, steps),
+                Link::Held(held) => {
+                    p = held.point(&p);
+                    continue;
+                }
+            };
             if let Some(pose) = schema.limb_poses.get(joint) {
-                jacobian.poses[number].point = p;
+                poses.next().expect("one for each joint").point = p;
                 p = pose.point(&p);
             }
             for _ in 0..count {
@@ -184,13 +238,41 @@ impl ChainSide {
     }
 }
 
+impl Link {
+    /// How many of the side's steps are its own.
+    fn steps(&self) -> usize {
+        match self {
+            Link::Joint { steps, .. } => *steps,
+            Link::Held(_) => 0,
+        }
+    }
+
+    /// Carries a frame from before it to behind it, past its steps.
+    #[inline]
+    fn carry(
+        &self,
+        schema: &BodySchema,
+        steps: &[(usize, DofTransform)],
+        frame: &mut Frame,
+        visit: impl FnMut(usize, &DofTransform, &Frame),
+    ) {
+        match self {
+            Link::Held(held) => *frame = *frame * *held,
+            Link::Joint { joint, .. } => {
+                let steps = steps.iter().map(|(dof, transform)| (*dof, transform));
+                carry_through(schema, *joint, steps, frame, visit);
+            }
+        }
+    }
+}
+
 /// What [`ChainSide::point_jacobian`] finds; kept by the caller so that its buffers are used again.
 #[derive(Clone, Debug, Default)]
 pub struct SideJacobian {
     /// `p_C`.
     pub position: Vector3<f64>,
-    /// `R_CL`.
-    pub rotation: Matrix3<f64>,
+    /// `X_CL`.
+    pub frame: Frame,
     /// Per joint, `∂p_C/∂l_P` (which is `R_CP`).
     pub joints: Vec<(usize, Matrix3<f64>)>,
     /// Per degree of freedom, `∂p_C/∂a_P` for an axis that is free in R³.

@@ -93,6 +93,21 @@ pub(crate) fn carry_through(
     joint: usize,
     dofs: impl IntoIterator<Item = (usize, impl Borrow<DofTransform>)>,
     frame: &mut Frame,
+    visit: impl FnMut(usize, &DofTransform, &Frame),
+) {
+    carry_past(schema, joint, dofs, frame, visit);
+    if let Some(pose) = schema.limb_poses.get(joint) {
+        *frame = *frame * *pose;
+    }
+}
+
+/// The same as far as behind its degrees of freedom: the limb's pose on the joint is still to come.
+#[inline]
+pub(super) fn carry_past(
+    schema: &BodySchema,
+    joint: usize,
+    dofs: impl IntoIterator<Item = (usize, impl Borrow<DofTransform>)>,
+    frame: &mut Frame,
     mut visit: impl FnMut(usize, &DofTransform, &Frame),
 ) {
     frame.origin += frame.direction(&schema.positions[joint]);
@@ -100,9 +115,6 @@ pub(crate) fn carry_through(
         let transform = transform.borrow();
         visit(dof, transform, frame);
         transform.carry(&schema.axes[dof], frame);
-    }
-    if let Some(pose) = schema.limb_poses.get(joint) {
-        *frame = *frame * *pose;
     }
 }
 

@@ -126,11 +126,12 @@ pub fn meet(
     (fits, deadline): (usize, Deadline),
 ) -> BodySchema {
     let stopping = Stopping { iterations: POINT_STEPS, relative_cost: 1e-4, cost: 0.0, deadline };
+    let touches = touches.with_held(creature, parameters, &start);
     let mut schema = start;
     for _ in 0..fits {
-        let width = LEAST_WIDTH.max(WIDTH * usual_miss(touches, &schema));
+        let width = LEAST_WIDTH.max(WIDTH * usual_miss(&touches, &schema));
         let model = PointsMeet::Mostly(width);
-        let mut problem = TouchProblem::new(creature, touches, parameters, model).with_prior(prior);
+        let mut problem = TouchProblem::new(creature, &touches, parameters, model).with_prior(prior);
         schema = levenberg_marquardt(&mut problem, schema, stopping).state;
     }
     schema
@@ -158,6 +159,7 @@ pub fn anneal_to(
 ) -> Annealed {
     let AnnealingLimits { widest, narrowest, deadline, exact } = limits;
     let skin = agent.skin();
+    let touches = &touches.with_held(agent.creature(), parameters, &start);
     let fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
         let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);

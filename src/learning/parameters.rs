@@ -118,6 +118,14 @@ impl Parameters {
         places
     }
 
+    /// Whether nothing of a joint is free.
+    pub fn holds(&self, creature: &Creature, joint: usize) -> bool {
+        let of_joint =
+            [&self.positions, &self.limb_origins, &self.limb_rotations].map(|places| places[joint]);
+        let axes = creature.joints()[joint].dof_indices().map(|dof| self.axes[dof]);
+        of_joint.into_iter().chain(axes).all(|place| place.is_none())
+    }
+
     /// Number of parameters.
     pub fn len(&self) -> usize {
         self.len

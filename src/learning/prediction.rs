@@ -104,7 +104,7 @@ impl GapRow {
         let mut slope = Vector3::zeros();
         for (side, normal) in self.sides.iter().zip(&self.normals) {
             // The normals are in the limbs' frames, and have the sign of their end.
-            let direction = side.rotation * normal;
+            let direction = side.frame.rotation * normal;
             let of_it = side.dofs.iter().filter(|(other, _)| *other == dof);
             of_it.for_each(|(_, derivative)| slope += derivative.tr_mul(&direction));
         }

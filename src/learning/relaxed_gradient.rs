@@ -123,7 +123,8 @@ fn step(
     let mut resistance = Matrix3::zeros();
     for ((side, end), jacobian) in touch.sides.iter().zip(&touch.ends).zip(&mut *sides) {
         side.point_jacobian(schema, &end.position, jacobian);
-        resistance += jacobian.rotation * end.covariance * jacobian.rotation.transpose() / scale;
+        let rotation = jacobian.frame.rotation;
+        resistance += rotation * end.covariance * rotation.transpose() / scale;
         for (_, by_position) in &jacobian.joints {
             resistance += by_position * by_position.transpose() * (LENGTH * LENGTH);
         }

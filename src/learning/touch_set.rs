@@ -122,6 +122,19 @@ impl TouchSet {
         self.pairs.iter().flat_map(|pair| pair.limbs).collect()
     }
 
+    /// The same touches for whoever moves no more than these parameters from a schema on: joints that are held stay as it has
+    /// them, multiplied out once and not for every look at a touch.
+    pub fn with_held(&self, creature: &Creature, parameters: &Parameters, schema: &BodySchema) -> TouchSet {
+        let is_held: Vec<bool> =
+            (0..creature.joints().len()).map(|joint| parameters.holds(creature, joint)).collect();
+        let mut set = self.clone();
+        let changed = set.pairs.iter_mut().filter(|pair| pair.chain.joints().any(|joint| is_held[joint]));
+        for touch in changed.flat_map(|pair| &mut pair.touches) {
+            touch.sides.iter_mut().for_each(|side| *side = side.with_held(schema, |joint| is_held[joint]));
+        }
+        set
+    }
+
     /// The pairs for which `keep` holds.
     pub fn filter(&self, keep: impl Fn(&PairTouches) -> bool) -> TouchSet {
         TouchSet { pairs: self.pairs.iter().filter(|pair| keep(pair)).cloned().collect() }
@@ -275,12 +288,13 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
             let mut residuals = DVector::zeros(most_rows);
             let mut row = 0;
             for touch in &pair.touches {
-                let frames = touch.frames(schema);
                 let fixed = fixed.next().expect("one for each touch");
+                touch.sides.iter().zip(&mut sides).for_each(|(side, found)| side.outwards(schema, found));
+                let frames = sides.each_ref().map(|side| side.frame);
                 let (found, cost) = self.model.linearize(&touch.ends, &frames, fixed);
                 total.cost += cost;
                 for (k, side) in sides.iter_mut().enumerate() {
-                    touch.sides[k].point_jacobian(schema, &found.points[k], side);
+                    touch.sides[k].inwards(schema, &found.points[k], side);
                     let sign = if k == 0 { 1.0 } else { -1.0 };
                     for (i, direction) in found.directions().iter().enumerate() {
                         let direction = direction * sign;

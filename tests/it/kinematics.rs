@@ -277,7 +277,7 @@ fn point_jacobians_agree_with_central_differences_on_the_sphere_and_off_it() {
                 let mut jacobian = SideJacobian::default();
                 side.point_jacobian(&schema, &p_l, &mut jacobian);
                 assert!((jacobian.position - land(&schema)).norm() < ROUNDING, "{name}");
-                assert!((jacobian.rotation - side.frame(&schema).rotation).amax() < ROUNDING, "{name}");
+                assert!((jacobian.frame.rotation - side.frame(&schema).rotation).amax() < ROUNDING, "{name}");
                 let joints: Vec<usize> = jacobian.joints.iter().map(|(joint, _)| *joint).collect();
                 assert_eq!(joints, chain.sides[1], "{name}");
                 for (joint, derivative) in &jacobian.joints {
@@ -356,6 +356,45 @@ fn freedoms_move_points_and_directions_as_central_differences_do() {
         }
     }
     assert!(rates_compared > 1000 && curvatures_compared > 1000, "{rates_compared} {curvatures_compared}");
+}
+
+#[test]
+fn joints_that_are_held_are_multiplied_out_and_change_nothing_of_the_others() {
+    for (name, body) in creatures() {
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        let schema = truth(&body);
+        let joints = body.creature.joints().len();
+        // All others change: what is held may not be asked of the schema again.
+        let mut moved = schema.clone();
+        let is_held: Vec<bool> = (0..joints).map(|_| rng.random_bool(0.6)).collect();
+        for joint in (0..joints).filter(|&joint| is_held[joint]) {
+            moved.positions[joint] *= 2.0;
+            body.creature.joints()[joint].dof_indices().for_each(|dof| moved.axes[dof] *= -1.0);
+        }
+        let posture = Posture::random(&body.creature, &mut rng);
+        for limb in 1..body.creature.limbs().len() {
+            let chain = Chain::between(&body.creature, 0, limb);
+            let side = ChainSide::new(&body.creature, &chain.sides[1], &posture);
+            // Held one after the other, as by learners of parts of parts.
+            let held = side.with_held(&schema, |joint| is_held[joint] && joint % 2 == 0);
+            let held = held.with_held(&schema, |joint| is_held[joint]);
+            let p_l = Vector3::from_fn(|_, _| rng.random_range(-0.3..0.3));
+            let (mut all, mut rest) = (SideJacobian::default(), SideJacobian::default());
+            side.point_jacobian(&schema, &p_l, &mut all);
+            held.point_jacobian(&moved, &p_l, &mut rest);
+            assert!((all.position - rest.position).norm() < ROUNDING, "{name}");
+            assert!((held.frame(&moved).origin - all.frame.origin).norm() < ROUNDING, "{name}");
+            all.joints.retain(|(joint, _)| !is_held[*joint]);
+            let of_free = |dof: usize| {
+                all.joints.iter().any(|(j, _)| body.creature.joints()[*j].dof_indices().contains(&dof))
+            };
+            let dofs = all.dofs.iter().filter(|(dof, _)| of_free(*dof));
+            assert_eq!(rest.joints.len(), all.joints.len(), "{name}");
+            for ((i, a), (j, b)) in all.joints.iter().chain(dofs).zip(rest.joints.iter().chain(&rest.dofs)) {
+                assert!(i == j && (a - b).amax() < ROUNDING, "{name}, {i} and {j}");
+            }
+        }
+    }
 }
 
 #[test]
