@@ -11,7 +11,6 @@ use crate::creature::DofKind;
 use crate::learning::Parameters;
 use crate::learning::prediction::{add_row, information_inverse, row_variance};
 use crate::learning::scrutiny::Member;
-use crate::schema::BodySchema;
 
 /// Touches that others check which a joint needs, or a limb: a wrong answer closes none of them but by chance.
 const CHECKED: f64 = 4.0;
@@ -26,11 +25,6 @@ const UNCHECKED: f64 = 0.97;
 const WORST: f64 = 0.2;
 /// What swings less counts as if it swung so far, radians.
 const LEAST_SWING: f64 = 1e-6;
-/// Two answers are not the same where they differ by more than this many deviations, …
-const TWIN: f64 = 20.0;
-/// … and by more than this, radians and metres.
-const TWIN_AXIS: f64 = 0.02;
-const TWIN_POSITION: f64 = 2e-3;
 /// The fewest touches that anything is learned from.
 const FEWEST: usize = 5;
 
@@ -48,14 +42,14 @@ impl Growth {
         if self.deadline.has_passed() {
             return false;
         }
-        let before = self.clone_belief();
-        joints.iter().for_each(|&joint| self.resolved[joint] = true);
-        let stands = self.believe(solved.schema.clone(), &new);
-        if !stands {
-            joints.iter().for_each(|&joint| self.resolved[joint] = false);
-            self.restore_belief(before, &new);
+        let mut grown = self.clone();
+        joints.iter().for_each(|&joint| grown.resolved[joint] = true);
+        // An answer that opens as much as it closes is none.
+        let stands = grown.believe(solved.schema.clone(), &new) && grown.used().count() > self.used().count();
+        if stands {
+            grown.place();
+            *self = grown;
         }
-        self.place();
         stands
     }
 
@@ -111,10 +105,7 @@ impl Growth {
                 (SURE / self.reach[joint] / swing).clamp(SURE_AXIS, UNSURE_AXIS / swing)
             };
             let doubt = |joint: usize| (1.0 + deviation(joint) / sure(joint)) / (of_joint(joint) + 1e-9);
-            let twins = self.twins(problem, solved, &covariance);
-            let doubtful = |joint: &usize| {
-                of_joint(*joint) < CHECKED || deviation(*joint) > sure(*joint) || twins[*joint]
-            };
+            let doubtful = |joint: &usize| of_joint(*joint) < CHECKED || deviation(*joint) > sure(*joint);
             let worst =
                 joints.iter().copied().filter(doubtful).max_by(|&a, &b| doubt(a).total_cmp(&doubt(b)));
             if let Some(worst) = worst {
@@ -133,26 +124,6 @@ impl Growth {
             };
             new.retain(|&number| !self.touches[number].told.limbs.contains(&limb));
         }
-    }
-
-    /// Per joint, whether the answers of other starts have it elsewhere though touches seem to tell where it is.
-    fn twins(&self, problem: &PartProblem, solved: &Solved, covariance: &DMatrix<f64>) -> Vec<bool> {
-        let parameters = &problem.unit;
-        let far = |place: usize, size: usize, least: f64, off: f64| {
-            let variance = (place..place + size).map(|i| covariance[(i, i)]).fold(0.0, f64::max);
-            off > least.max(TWIN * variance.sqrt())
-        };
-        let creature = self.agent.creature();
-        let is_elsewhere = |joint: usize, other: &BodySchema| {
-            let off = (other.positions[joint] - solved.schema.positions[joint]).norm();
-            let turned = creature.joints()[joint].dof_indices().any(|dof| {
-                let off = (other.axes[dof] - solved.schema.axes[dof]).norm();
-                parameters.axes[dof].is_some_and(|place| far(place, 2, TWIN_AXIS, off))
-            });
-            turned || parameters.positions[joint].is_some_and(|place| far(place, 3, TWIN_POSITION, off))
-        };
-        let joints = 0..creature.joints().len();
-        joints.map(|joint| solved.others.iter().any(|other| is_elsewhere(joint, other))).collect()
     }
 
     /// How far a joint turns from where it rests at the most, radians, as far as it matters: what hardly swings displaces little,

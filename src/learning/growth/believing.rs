@@ -22,30 +22,7 @@ const TOO_FEW: usize = 50;
 /// All is fitted again where there are so many times more touches than at the last time.
 const MORE_TO_FIT: f64 = 1.5;
 
-/// All that an answer may change.
-pub(super) struct BeforeAnswer {
-    belief: Option<Belief>,
-    information: DMatrix<f64>,
-    base: usize,
-    fitted: usize,
-}
-
 impl Growth {
-    pub(super) fn clone_belief(&self) -> BeforeAnswer {
-        BeforeAnswer {
-            belief: self.belief.clone(),
-            information: self.information.clone(),
-            base: self.base,
-            fitted: self.fitted,
-        }
-    }
-
-    pub(super) fn restore_belief(&mut self, before: BeforeAnswer, new: &[usize]) {
-        new.iter().for_each(|&number| self.touches[number].used = false);
-        (self.belief, self.information) = (before.belief, before.information);
-        (self.base, self.fitted) = (before.base, before.fitted);
-    }
-
     /// What a touch weighs: the inverse of its gap's variance, 1/m².
     pub(super) fn weight(&self) -> f64 {
         self.deviation().powi(-2)
@@ -68,7 +45,7 @@ impl Growth {
     }
 
     /// The touches that belief rests on.
-    fn used(&self) -> impl Iterator<Item = &GrownTouch> {
+    pub(super) fn used(&self) -> impl Iterator<Item = &GrownTouch> {
         self.touches.iter().filter(|touch| touch.used)
     }
 
@@ -215,10 +192,10 @@ impl Growth {
         if new.is_empty() || TOO_FEW * new.len() < self.used().count() {
             return false;
         }
-        let before = self.clone_belief();
-        let stands = self.believe(schema, &new) && self.still_closed(&[]);
-        if !stands {
-            self.restore_belief(before, &new);
+        let mut grown = self.clone();
+        let stands = grown.believe(schema, &new) && grown.still_closed(&[]);
+        if stands {
+            *self = grown;
         }
         for number in new {
             let touch = &mut self.touches[number];

@@ -28,8 +28,6 @@ const NEARLY: f64 = 5e-5;
 const HOPEFUL: f64 = 0.5;
 /// The share of a part's touches that an answer closes: all others are false.
 pub(super) const ENOUGH: f64 = 1.0 - MOST_FALSE;
-/// An answer closes as much as another one where it closes this share of that.
-const AS_WELL: f64 = 0.95;
 /// The share from which on none better is looked for.
 const AS_GOOD_AS_ALL: f64 = 0.97;
 /// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
@@ -78,8 +76,6 @@ pub(super) struct Solved {
     pub closed: usize,
     /// Limbs and joints without whose touches it does.
     pub given_up: Vec<Member>,
-    /// Answers of other starts that close as much.
-    pub others: Vec<BodySchema>,
 }
 
 impl Solved {
@@ -170,10 +166,6 @@ impl Growth {
         }
         let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
         let mut best = solved.swap_remove(at);
-        let as_well = AS_WELL * best.exact;
-        let good =
-            solved.into_iter().filter(|other| other.exact > as_well && other.given_up == best.given_up);
-        best.others = good.map(|other| other.schema).collect();
         best.schema = self.carried(problem, &best.schema);
         Some(best)
     }
@@ -305,14 +297,7 @@ impl Growth {
         schema = meet(unit, schema, POINT_FITS / 2);
         let hopeless = self.input == Input::Receptor && usual_miss(touches, &schema) > HOPELESS;
         if hopeless || self.deadline.has_passed() {
-            return Solved {
-                schema,
-                share: 0.0,
-                exact: 0.0,
-                closed: 0,
-                given_up: Vec::new(),
-                others: Vec::new(),
-            };
+            return Solved { schema, share: 0.0, exact: 0.0, closed: 0, given_up: Vec::new() };
         }
         self.closed(problem, schema, number)
     }
@@ -359,7 +344,7 @@ impl Growth {
                 };
                 let (exact, closed) = share_within(CLOSED);
                 let share = share_within(NEARLY).0;
-                return Solved { schema, share, exact, closed, given_up, others: Vec::new() };
+                return Solved { schema, share, exact, closed, given_up };
             };
             given_up.push(worst);
             numbers.retain(|&number| !self.touches[number].told.tells_of(worst));
