@@ -64,7 +64,7 @@ const HASTY_STARTS: usize = 120;
 const HASTY_SHARE: f64 = 1.0 / 6.0;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
-/// … and where no touches join others to them: of these several starts must agree.
+/// … and where no touches join others to them.
 const NARROWEST_SET: usize = 18;
 /// Touches that a part needs, in units of its unknowns.
 const TOUCHES: f64 = 1.8;

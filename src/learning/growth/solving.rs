@@ -42,9 +42,8 @@ const FIRST_GAPS: [f64; 2] = [WIDEST, 0.5 * WIDEST];
 /// Those down to which axes stay relaxed: joints that turn little are caught in one wrong minimum or another, and which depends on
 /// this.
 const RELAXED_GAPS: [f64; 2] = [3e-3, WIDEST];
-/// Answers of so many starts are to agree where a part has no more unknowns: small parts have twins.
+/// What so many starts come to is the best that there is.
 const AGREEING: usize = 4;
-const SMALL: usize = 45;
 /// Touches that the first part needs, in units of its joints' unknowns, to do without limbs beyond joints that rest.
 const INNER_TOUCHES: f64 = 1.6;
 /// Touches of a limb below which the first part does without it: it only adds unknowns, and is found later.
@@ -148,9 +147,7 @@ impl Growth {
             let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number));
             self.starts += made.len();
             solved.extend(made);
-            let good = solved.iter().filter(|solved| solved.exact > AS_GOOD_AS_ALL).count();
-            let known = self.belief.is_some() || self.width(&problem.part.joints) < FEWEST_UNKNOWNS;
-            let small = known && problem.unit.len() <= SMALL;
+            let good = solved.iter().any(|solved| solved.exact > AS_GOOD_AS_ALL);
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
             let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
             // What comes again and again is the best that chance finds.
@@ -160,7 +157,7 @@ impl Growth {
             let near = solved.iter().filter(|solved| solved.share > 0.0).count();
             let in_vain = self.belief.is_none() && near >= MOST_NEAR && most <= ENOUGH;
             let late = self.deadline.has_passed();
-            if late || again || in_vain || good >= if small { AGREEING } else { 1 } {
+            if late || again || in_vain || good {
                 break;
             }
         }
