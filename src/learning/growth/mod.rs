@@ -258,7 +258,7 @@ impl Growth {
         let narrow = |joints: &&&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
         let foreseen = moved.keys().filter(narrow).map(|joints| {
             let rate = within(&moved, joints) as f64 / self.touches.len() as f64;
-            self.wanted(&Part { joints: joints.to_vec(), limbs: Vec::new() }) / rate
+            self.wanted(joints) / rate
         });
         foreseen.reduce(f64::min)
     }
@@ -287,10 +287,11 @@ impl Growth {
         self.patience().more * before as f64
     }
 
-    /// Touches that a first part needs, tried in vain or not.
-    fn wanted(&self, part: &Part) -> f64 {
-        let before = self.failed.get(&part.key()).copied().unwrap_or(0);
-        self.first_touches(self.width(&part.joints)).max(self.more_touches(before))
+    /// Touches that a first part needs, whether it or a part of it was tried in vain or not.
+    fn wanted(&self, joints: &[usize]) -> f64 {
+        let is_within = |part: &&Part| part.joints.iter().all(|joint| joints.contains(joint));
+        let before = self.failed.keys().filter(is_within).map(|part| self.failed[part]).max();
+        self.first_touches(self.width(joints)).max(self.more_touches(before.unwrap_or(0)))
     }
 
     /// Tries no more parts after a deadline.
@@ -417,10 +418,9 @@ impl Growth {
         let moved = self.moved();
         for joints in self.first_sets(&moved) {
             let touches = within(&moved, &joints);
-            let limbs = (0..self.agent.creature().limbs().len()).collect();
-            let part = Part { joints, limbs };
-            if touches as f64 >= self.wanted(&part) {
-                candidates.push((part, touches));
+            if touches as f64 >= self.wanted(&joints) {
+                let limbs = (0..self.agent.creature().limbs().len()).collect();
+                candidates.push((Part { joints, limbs }, touches));
             }
         }
         // Small ones are found sooner, and cost less in vain.

@@ -10,7 +10,7 @@ use crate::learning::growth::{FEWEST_UNKNOWNS, Growth};
 /// Touches at random with all joints before it is foreseen when a first part will have touches enough, and the most that it may
 /// take: chance touches tell of all joints, and so of the next parts, too.
 const SURVEY_TOUCHES: usize = 40;
-const MOST_FORESEEN: f64 = 350.0;
+const MOST_FORESEEN: f64 = 700.0;
 /// Sets of joints that are tried, …
 const SETS: usize = 16;
 /// … as many of each of so many sizes.
