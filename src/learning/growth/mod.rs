@@ -247,20 +247,12 @@ impl Growth {
         if self.hurries { HASTY } else { PATIENT }
     }
 
-    /// How many touches there will be when the next first part that is narrow can be tried, if touches go on as they were; none
-    /// where haste was in vain often enough.
-    pub fn first_part_foreseen(&self) -> Option<f64> {
-        if self.starts >= HASTY_STARTS {
-            return None;
-        }
-        let moved = self.moved();
+    /// Whether some of the joints that moved in touches are few enough, and many enough of the body, to be learned in haste; not
+    /// where that was in vain often enough.
+    pub fn may_hurry(&self) -> bool {
         let least = (HASTY_SHARE * self.width_of_all() as f64).max(FEWEST_UNKNOWNS as f64);
-        let narrow = |joints: &&&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
-        let foreseen = moved.keys().filter(narrow).map(|joints| {
-            let rate = within(&moved, joints) as f64 / self.touches.len() as f64;
-            self.wanted(joints) / rate
-        });
-        foreseen.reduce(f64::min)
+        let narrow = |joints: &&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
+        self.starts < HASTY_STARTS && self.moved().keys().any(narrow)
     }
 
     /// The sets of joints that moved in touches with freedom enough, and in how many.

@@ -7,10 +7,8 @@ use super::{Goal, Stages};
 use crate::kinematics::Chain;
 use crate::learning::growth::{FEWEST_UNKNOWNS, Growth};
 
-/// Touches at random with all joints before it is foreseen when a first part will have touches enough, and the most that it may
-/// take: chance touches tell of all joints, and so of the next parts, too.
+/// Touches at random with all joints before it is seen whether these will tell of a first part: they tell of the next parts, too.
 const SURVEY_TOUCHES: usize = 40;
-const MOST_FORESEEN: f64 = 700.0;
 /// Sets of joints that are tried, …
 const SETS: usize = 16;
 /// … as many of each of so many sizes.
@@ -101,8 +99,7 @@ impl Stages {
     /// Whether it is still worth while to wait for what all joints touch by chance.
     fn waits_for_chance(&self) -> bool {
         let surveyed = self.trials[0].touches >= SURVEY_TOUCHES || self.motions >= self.patience;
-        let soon = |foreseen: f64| foreseen < MOST_FORESEEN;
-        !surveyed || self.growth.first_part_foreseen().is_some_and(soon)
+        !surveyed || self.growth.may_hurry()
     }
 
     /// Begins with the first set; all joints, which were tried already, are the last.
