@@ -12,7 +12,7 @@ use crate::schema::BodySchema;
 /// overlooked now and then costs a motion, and no more.
 const LOOKS: usize = 24;
 /// The share of the way after which it is seen whether limbs that touch part.
-pub(super) const FIRST_LOOK: f64 = 0.01;
+const FIRST_LOOK: f64 = 0.01;
 /// Limbs that are no farther from each other touch, metres; and how much deeper they are where they do not part.
 const TOUCHING: f64 = 5e-4;
 const DEEPER: f64 = 1e-6;

@@ -72,12 +72,9 @@ const TOUCHES: f64 = 1.8;
 const TOUCHES_OF_ALL: f64 = 1.2;
 /// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
 const MORE: f64 = 1.5;
-/// Touches of one pair of limbs with the same joints moving that tell enough.
-const ALIKE: usize = 25;
-/// … as long as nothing is known, …
-const ALIKE_AT_FIRST: usize = 40;
-/// … and where it is not known where the limbs are: a limb that is felt from few sides takes many to be placed.
-const ALIKE_UNPLACED: usize = 100;
+/// Touches of one pair of limbs with the same joints moving that tell enough: a limb that is felt from few sides takes many to be
+/// placed.
+const ALIKE: usize = 100;
 /// After so many touches, or this share of all, it is seen what can be learned.
 const EVERY: usize = 6;
 const EVERY_SHARE: usize = 100;
@@ -199,14 +196,9 @@ impl Growth {
             .iter()
             .filter(|other| other.told.limbs == limbs && other.told.moving == told.moving)
             .count();
-        let least = match self.belief {
-            None => ALIKE_AT_FIRST,
-            Some(_) if limbs.iter().all(|&limb| self.placed(limb)) => ALIKE,
-            Some(_) => ALIKE_UNPLACED,
-        };
         let unresolved: Vec<usize> =
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
-        let spare = alike >= least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
+        let spare = alike >= ALIKE.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
         self.touches.push(GrownTouch { told, freedom, used: false, spare, refused: None });
         let due = self.touches.len() >= self.next;
         if due {
@@ -268,22 +260,20 @@ impl Growth {
         self.width(&(0..self.resolved.len()).collect::<Vec<usize>>())
     }
 
-    /// Touches that a first part of so many unknowns needs. Wide ones seldom succeed: narrow ones are given time.
-    pub fn first_touches(&self, unknowns: usize) -> f64 {
-        let unknowns = unknowns as f64;
-        self.patience().touches * unknowns * (unknowns / FIRST_WIDTH).max(1.0)
-    }
-
-    /// Those that it needs where it was tried in vain with so many.
-    pub fn more_touches(&self, before: usize) -> f64 {
-        self.patience().more * before as f64
-    }
-
-    /// Touches that a first part needs, whether it or a part of it was tried in vain or not.
-    fn wanted(&self, joints: &[usize]) -> f64 {
+    /// Touches that a first part of some joints needs, whether it or a part of it was tried in vain or not. Wide ones seldom
+    /// succeed: narrow ones are given time.
+    pub fn first_wanted(&self, joints: &[usize]) -> f64 {
+        let patience = self.patience();
         let is_within = |part: &&Part| part.joints.iter().all(|joint| joints.contains(joint));
         let before = self.failed.keys().filter(is_within).map(|part| self.failed[part]).max();
-        self.first_touches(self.width(joints)).max(self.more_touches(before.unwrap_or(0)))
+        let unknowns = self.width(joints) as f64;
+        let at_first = patience.touches * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
+        at_first.max(patience.more * before.unwrap_or(0) as f64)
+    }
+
+    /// Touches with freedom enough in which nothing moved but some joints.
+    pub fn touches_within(&self, joints: &[usize]) -> usize {
+        within(&self.moved(), joints)
     }
 
     /// Tries no more parts after a deadline.
@@ -410,7 +400,7 @@ impl Growth {
         let moved = self.moved();
         for joints in self.first_sets(&moved) {
             let touches = within(&moved, &joints);
-            if touches as f64 >= self.wanted(&joints) {
+            if touches as f64 >= self.first_wanted(&joints) {
                 let limbs = (0..self.agent.creature().limbs().len()).collect();
                 candidates.push((Part { joints, limbs }, touches));
             }

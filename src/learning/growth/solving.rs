@@ -46,8 +46,6 @@ const RELAXED_GAPS: [f64; 2] = [3e-3, WIDEST];
 const AGREEING: usize = 4;
 /// Touches that the first part needs, in units of its joints' unknowns, to do without limbs beyond joints that rest.
 const INNER_TOUCHES: f64 = 1.6;
-/// Touches of a limb below which the first part does without it: it only adds unknowns, and is found later.
-const OFTEN: usize = 8;
 /// Touches of two limbs below which a part is solved without them: they may all be false.
 const OFTEN_BETWEEN: usize = 4;
 /// Touches that a part is solved by at the most, in units of its unknowns.
@@ -184,14 +182,6 @@ impl Growth {
             let width = self.width(&part.joints);
             if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
                 solved_by = inner;
-            }
-            let mut before = usize::MAX;
-            while solved_by.len() < before {
-                before = solved_by.len();
-                let mut counts = vec![0; creature.limbs().len()];
-                let limbs = solved_by.iter().flat_map(|number| of(number).told.limbs);
-                limbs.for_each(|limb| counts[limb] += 1);
-                solved_by.retain(|number| of(number).told.limbs.iter().all(|&limb| counts[limb] >= OFTEN));
             }
         }
         let mut between: BTreeMap<[usize; 2], usize> = BTreeMap::new();

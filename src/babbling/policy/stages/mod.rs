@@ -4,9 +4,8 @@
 //! a few, and which few is found by trial ([`trials`]). Once they are known (see
 //! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
 //! known, towards a limb that is not placed yet ([`goals`]). Where the schema tells how, motions are aimed; where it does
-//! not, what was touched once is touched again, a little differently, or felt for where it was; and only ways are gone on
-//! which what is in touch parts first, and then, as the schema foresees, the wanted limb is the first to meet another
-//! ([`motions`]).
+//! not, what was touched once is touched again, a little differently; and only ways are gone on which, as the schema
+//! foresees, the wanted limb is the first to meet another ([`motions`]).
 
 mod goals;
 mod motions;
@@ -36,8 +35,6 @@ const ANYWHERE: f64 = 0.15;
 const REPEATED: f64 = 0.3;
 /// … and where it is not known well enough where to aim.
 const REPEATED_UNSURE: f64 = 0.7;
-/// Share of these that go to where a limb was felt, with what is known of the body elsewhere.
-const WHERE_FELT: f64 = 0.7;
 /// Draws of two receptors to aim at.
 const AIMS: usize = 8;
 /// The share of the way back that is gone to part limbs in touch.
@@ -255,12 +252,9 @@ impl Stages {
             let often = if sure { REPEATED } else { REPEATED_UNSURE };
             let repeats = matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < often;
             for _ in 0..AIMS {
-                let felt = repeats && !self.joints().is_empty() && rng.random::<f64>() < WHERE_FELT;
-                let felt = if felt { self.where_felt(rng) } else { None };
-                let sure = sure && felt.is_none();
-                let again = || if repeats { self.again(rng) } else { None };
-                let Some(target) = felt.or_else(again).or_else(|| self.aimed(sure, rng)) else { continue };
-                if self.parts(&target) && self.promises(&target, sure) {
+                let again = if repeats { self.again(rng) } else { None };
+                let Some(target) = again.or_else(|| self.aimed(sure, rng)) else { continue };
+                if self.promises(&target, sure) {
                     return target;
                 }
             }

@@ -4,9 +4,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{Goal, Stages};
-use crate::babbling::policy::foresight::{FIRST_LOOK, Foreseen};
+use crate::babbling::policy::foresight::Foreseen;
 use crate::creature::Posture;
-use crate::kinematics::{Chain, InverseKinematics, Place, limb_frames};
+use crate::kinematics::{Chain, InverseKinematics, Place};
 use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
 use crate::skin::Receptor;
 
@@ -15,8 +15,6 @@ use crate::skin::Receptor;
 const SCATTER: f64 = 0.15;
 const FARTHER: f64 = 0.5;
 const FARTHEST: f64 = 0.3;
-/// Share of motions to where a limb was felt that go there with the limb that felt it.
-const SAME_LIMB: f64 = 0.5;
 /// Pairs of receptors of which that is aimed at whose limbs touched each other least.
 const DRAWS: usize = 3;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
@@ -141,94 +139,6 @@ impl Stages {
             }
         }
         creature.couple(target);
-    }
-
-    /// The limb before the first joint to be learned on which a limb is; itself where there is none.
-    fn base_of(&self, limb: usize) -> usize {
-        let creature = self.agent.creature();
-        let (mut base, mut at) = (limb, limb);
-        while let Some(joint) = creature.joint_of(at) {
-            at = creature.joints()[joint].parent;
-            if self.joints().contains(&joint) {
-                base = at;
-            }
-        }
-        base
-    }
-
-    /// Whether the way to a posture begins by parting the limbs that are in touch, as far as that is known.
-    ///
-    /// How joints to be learned move what they carry is not known, but the way that led here, along `d`, closed the gap:
-    /// where `∂gap/∂q · d < 0` and a motion `m` takes these joints back by `−λ d`, it opens at least as fast as what
-    /// is known moves it along `m + λ d`.
-    pub(super) fn parts(&self, target: &Posture) -> bool {
-        let Some((schema, met)) = self.growth.schema().zip(self.met.as_ref()) else { return true };
-        let Some(number) = met.touch else { return true };
-        let (creature, skin) = (self.agent.creature(), self.agent.skin());
-        let touch = &self.growth.touches()[number];
-        let Some(known) = touch.told.limbs.iter().position(|&limb| self.base_of(limb) == limb) else {
-            return true;
-        };
-        let receptor = &skin.receptors[touch.told.prepared.ends[known].receptor];
-        let here = limb_frames(creature, schema, &self.start);
-        let limb = touch.told.limbs[known];
-        let (place, outward) = (here[limb].point(&receptor.position), here[limb].rotation * receptor.normal);
-        let other = self.base_of(touch.told.limbs[1 - known]);
-        let opens = |to: &Posture| {
-            let frames =
-                limb_frames(creature, schema, &Posture::between(creature, &self.start, to, FIRST_LOOK));
-            let moved = |limb: usize| frames[limb].point(&here[limb].inverse_point(&place));
-            (moved(other) - moved(limb)).dot(&outward)
-        };
-        let elements = self.joints().iter().flat_map(|&joint| creature.joints()[joint].elements());
-        let ways = elements.filter(|at| !at.is_ball()).map(|at| at.coordinate());
-        let ways = ways.map(|q| (target[q] - self.start[q], self.start[q] - met.back[q]));
-        let (mut back, mut moving) = (0.0, 0.0);
-        for (now, before) in ways {
-            back -= now * before;
-            moving += before * before;
-        }
-        let share = if moving > 0.0 { back / moving } else { 0.0 };
-        // Along the way that led here is the way back, reversed.
-        share >= 0.0 && opens(target) - share * opens(&met.back) > 0.0
-    }
-
-    /// A posture in which a limb whose place is known comes to where one that the goal wants was felt: the joints to be
-    /// learned are near to where they were then, what is known is anywhere else.
-    pub(super) fn where_felt(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
-        let (creature, skin) = (self.agent.creature(), self.agent.skin());
-        let schema = self.growth.schema()?;
-        let number = self.repeated(rng)?;
-        let touch = &self.growth.touches()[number];
-        let end = touch.told.limbs.iter().position(|&limb| self.wanted[limb])?;
-        let felt_by = touch.told.limbs[1 - end];
-        if self.wanted[felt_by] {
-            return None;
-        }
-        // Seen from the limb before the first joint to be learned, it is where it was.
-        let base = self.base_of(touch.told.limbs[end]);
-        let frames = limb_frames(creature, schema, &self.remembered[number][0]);
-        let receptor = &skin.receptors[touch.told.prepared.ends[1 - end].receptor];
-        // Above the receptor that felt it is inside of it.
-        let above = receptor.place(DEPTH);
-        let place = Place {
-            limb: base,
-            point: frames[base].inverse_point(&frames[felt_by].point(&above.point)),
-            direction: frames[base].rotation.tr_mul(&(frames[felt_by].rotation * -above.direction)),
-        };
-        let same = rng.random::<f64>() < SAME_LIMB;
-        let fits = |limb: usize| {
-            !self.wanted[limb] && limb != base && self.growth.placed(limb) && (limb == felt_by || !same)
-        };
-        let able: Vec<usize> =
-            (0..skin.receptors.len()).filter(|&other| fits(skin.receptors[other].limb)).collect();
-        if able.is_empty() {
-            return None;
-        }
-        let other = &skin.receptors[able[rng.random_range(0..able.len())]];
-        let (mut start, random) = (self.here(), self.anywhere(rng));
-        self.go_again(number, self.joints().iter().map(|&joint| (joint, SCATTER)), &mut start, rng);
-        self.brought_together([place, other.place(-DEPTH)], start, &random)
     }
 
     /// A posture in which two places meet, by what is known of the joints between them, from a random one; what is not

@@ -29,30 +29,23 @@ const RARE: usize = 6;
 const PATIENCE: f64 = 1.2;
 
 /// A set of joints that may be learned first.
+#[derive(Default)]
 pub(super) struct FirstSet {
-    set: Vec<usize>,
-    /// How much harder it is to learn than one of no joints.
-    hardness: f64,
-    /// Its touches so far, its motions, and the touches that it should take.
+    joints: Vec<usize>,
+    /// The touches that told something while they moved, and the motions.
     touches: usize,
     motions: usize,
-    wanted: f64,
 }
 
 impl FirstSet {
-    fn of(growth: &Growth, set: Vec<usize>) -> FirstSet {
-        let unknowns = growth.width(&set);
-        let hardness = 2f64.powf(unknowns as f64 / HARDER);
-        FirstSet { set, hardness, touches: 0, motions: 0, wanted: growth.first_touches(unknowns) }
+    fn of(joints: Vec<usize>) -> FirstSet {
+        FirstSet { joints, ..FirstSet::default() }
     }
 
     /// Motions that are missing until it should be learned.
-    fn missing(&self) -> f64 {
-        (self.wanted - self.touches as f64).max(1.0) * (self.motions + 1) as f64 / (self.touches as f64 + 0.5)
-    }
-
-    fn cost(&self) -> f64 {
-        self.missing() * self.hardness
+    fn missing(&self, growth: &Growth) -> f64 {
+        let touches = growth.first_wanted(&self.joints) - growth.touches_within(&self.joints) as f64;
+        touches.max(1.0) * (self.motions + 1) as f64 / (self.touches as f64 + 0.5)
     }
 }
 
@@ -93,7 +86,7 @@ impl Stages {
     }
 
     fn all_joints(&self) -> FirstSet {
-        FirstSet::of(&self.growth, (0..self.free.len()).collect())
+        FirstSet::of((0..self.free.len()).collect())
     }
 
     /// Whether it is still worth while to wait for what all joints touch by chance.
@@ -107,14 +100,14 @@ impl Stages {
         self.growth.hurry(false);
         let FirstSet { touches, motions, .. } = self.trials[0];
         let all = FirstSet { touches, motions: motions + self.motions, ..self.all_joints() };
-        let sets = self.first_sets().into_iter().map(|set| FirstSet::of(&self.growth, set));
+        let sets = self.first_sets().into_iter().map(FirstSet::of);
         self.trials = sets.chain([all]).collect();
         self.move_set(0, TRIAL_MOTIONS);
     }
 
     fn move_set(&mut self, number: usize, motions: usize) {
         self.trial = number;
-        self.begin(Goal::Joints(self.trials[number].set.clone()), motions);
+        self.begin(Goal::Joints(self.trials[number].joints.clone()), motions);
     }
 
     /// Whether few motions with the set that is tried end in a touch that tells anything.
@@ -146,14 +139,12 @@ impl Stages {
             return;
         }
         self.is_choosing = false;
-        let trial = &mut self.trials[self.trial];
-        if trial.touches as f64 >= trial.wanted {
-            trial.wanted = self.growth.more_touches(trial.touches);
-        }
-        let cost = |number: &usize| self.trials[*number].cost();
+        let missing = |number: usize| self.trials[number].missing(&self.growth);
+        let hardness = |number: usize| self.growth.width(&self.trials[number].joints) as f64 / HARDER;
+        let cost = |number: &usize| missing(*number) * 2f64.powf(hardness(*number));
         let best = (0..self.trials.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(0);
         self.over = best != self.trial;
-        let motions = (PATIENCE * self.trials[best].missing()) as usize;
+        let motions = (PATIENCE * missing(best)) as usize;
         self.move_set(best, motions.max(TRIAL_MOTIONS));
     }
 }
