@@ -275,10 +275,11 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         debug_assert!(schema.fits(self.creature));
         let mut total = Linearization::nothing(self.parameters.len());
-        let bases: Vec<Matrix3x2<f64>> = match self.parameters.axis_model {
+        let bases = match self.parameters.axis_model {
             AxisModel::Relaxed => Vec::new(),
             AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),
         };
+        let at = Linearized { schema, parameters: self.parameters, bases };
         let mut fixed = self.fixed.iter_mut();
         let mut sides = [SideJacobian::default(), SideJacobian::default()];
         for (pair, columns) in self.touches.pairs.iter().zip(&self.columns) {
@@ -297,17 +298,7 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                     touch.sides[k].inwards(schema, &found.points[k], side);
                     let sign = if k == 0 { 1.0 } else { -1.0 };
                     for (i, direction) in found.directions().iter().enumerate() {
-                        let direction = direction * sign;
-                        write_row(&mut jacobian, row + i, &direction, side, columns, &bases);
-                        write_poses(
-                            &mut jacobian,
-                            row + i,
-                            &direction,
-                            side,
-                            columns,
-                            self.parameters,
-                            schema,
-                        );
+                        columns.write_row(&mut jacobian, row + i, &(direction * sign), side, &at);
                     }
                 }
                 for (i, value) in found.values().iter().enumerate() {
@@ -375,7 +366,50 @@ impl PreparedTouch {
     }
 }
 
+/// Where a problem is linearized.
+struct Linearized<'a> {
+    schema: &'a BodySchema,
+    parameters: &'a Parameters,
+    /// Per unit axis, a basis of its tangent plane; none where axes are relaxed.
+    bases: Vec<Matrix3x2<f64>>,
+}
+
 impl ChainColumns {
+    /// Writes one residual's derivative, `direction · ∂p_C/∂(parameters)` of one side, into `row`.
+    fn write_row(
+        &self,
+        jacobian: &mut DMatrix<f64>,
+        row: usize,
+        direction: &Vector3<f64>,
+        side: &SideJacobian,
+        at: &Linearized,
+    ) {
+        for (joint, map) in &side.joints {
+            if let Some(column) = self.positions[*joint] {
+                jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&map.tr_mul(direction));
+            }
+        }
+        for (dof, derivative) in &side.dofs {
+            let Some(column) = self.axes[*dof] else { continue };
+            let free = derivative.tr_mul(direction);
+            match at.bases.get(*dof) {
+                None => jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&free),
+                Some(basis) => jacobian.fixed_view_mut::<2, 1>(column, row).copy_from(&basis.tr_mul(&free)),
+            }
+        }
+        for pose in &side.poses {
+            let along = pose.map.tr_mul(direction);
+            if let Some(column) = self.limb_origins[pose.joint] {
+                jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&along);
+            }
+            if let Some(column) = self.limb_rotations[pose.joint] {
+                let rotation = &at.schema.limb_poses[pose.joint].rotation;
+                let slope = at.parameters.rotation_slope(&along, rotation, &pose.point);
+                slope.enumerate().for_each(|(i, slope)| jacobian[(column + i, row)] = slope);
+            }
+        }
+    }
+
     /// Adds a pair's normal equations to those of all parameters.
     fn scatter(&self, hessian: &DMatrix<f64>, gradient: &DVector<f64>, total: &mut Linearization) {
         let places = || {
@@ -392,53 +426,6 @@ impl ChainColumns {
                 let mut block = total.hessian.view_mut((row_offset, column_offset), size);
                 block += hessian.view((row, column), size);
             }
-        }
-    }
-}
-
-/// Writes one residual's derivative, `direction · ∂p_C/∂(parameters)` of one side, into `row`.
-fn write_row(
-    jacobian: &mut DMatrix<f64>,
-    row: usize,
-    direction: &Vector3<f64>,
-    side: &SideJacobian,
-    columns: &ChainColumns,
-    bases: &[Matrix3x2<f64>],
-) {
-    for (joint, map) in &side.joints {
-        if let Some(column) = columns.positions[*joint] {
-            jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&map.tr_mul(direction));
-        }
-    }
-    for (dof, derivative) in &side.dofs {
-        let Some(column) = columns.axes[*dof] else { continue };
-        let free = derivative.tr_mul(direction);
-        match bases.get(*dof) {
-            None => jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&free),
-            Some(basis) => jacobian.fixed_view_mut::<2, 1>(column, row).copy_from(&basis.tr_mul(&free)),
-        }
-    }
-}
-
-/// Writes one residual's derivative by the poses of limbs into `row`.
-fn write_poses(
-    jacobian: &mut DMatrix<f64>,
-    row: usize,
-    direction: &Vector3<f64>,
-    side: &SideJacobian,
-    columns: &ChainColumns,
-    parameters: &Parameters,
-    schema: &BodySchema,
-) {
-    for pose in &side.poses {
-        let along = pose.map.tr_mul(direction);
-        if let Some(column) = columns.limb_origins[pose.joint] {
-            jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&along);
-        }
-        if let Some(column) = columns.limb_rotations[pose.joint] {
-            let rotation = &schema.limb_poses[pose.joint].rotation;
-            let slope = parameters.rotation_slope(&along, rotation, &pose.point);
-            slope.enumerate().for_each(|(i, slope)| jacobian[(column + i, row)] = slope);
         }
     }
 }

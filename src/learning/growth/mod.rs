@@ -264,8 +264,9 @@ impl Growth {
     /// succeed: narrow ones are given time.
     pub fn first_wanted(&self, joints: &[usize]) -> f64 {
         let patience = self.patience();
-        let is_within = |part: &&Part| part.joints.iter().all(|joint| joints.contains(joint));
-        let before = self.failed.keys().filter(is_within).map(|part| self.failed[part]).max();
+        let is_within = |part: &Part| part.joints.iter().all(|joint| joints.contains(joint));
+        let before =
+            self.failed.iter().filter(|(part, _)| is_within(part)).map(|(_, &touches)| touches).max();
         let unknowns = self.width(joints) as f64;
         let at_first = patience.touches * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
         at_first.max(patience.more * before.unwrap_or(0) as f64)
