@@ -53,14 +53,14 @@ impl Chain {
 /// degrees of freedom. Learners keep a touch in several sets: its copies share this.
 #[derive(Clone, Debug, Default)]
 pub struct ChainSide {
-    links: Arc<[Link]>,
+    pieces: Arc<[ChainPiece]>,
     /// Degree of freedom, and what it does.
     steps: Arc<[(usize, DofTransform)]>,
 }
 
 /// A piece of a side.
 #[derive(Clone, Debug)]
-enum Link {
+enum ChainPiece {
     /// A joint, with so many of the steps.
     Joint { joint: usize, steps: usize },
     /// Joints that are held, multiplied out: `X_PL` from before the first to behind the last.
@@ -71,44 +71,44 @@ impl ChainSide {
     /// Prepares the side `joints` (ancestor first) at `posture`.
     pub fn new(creature: &Creature, joints: &[usize], posture: &[f64]) -> ChainSide {
         let joints = joints.iter().map(|&j| (j, &creature.joints()[j]));
-        let links = joints.clone().map(|(j, joint)| Link::Joint { joint: j, steps: joint.dofs.len() });
-        let links = links.collect();
+        let pieces = joints.clone().map(|(j, joint)| ChainPiece::Joint { joint: j, steps: joint.dofs.len() });
+        let pieces = pieces.collect();
         let mut steps = Vec::new();
         joints.for_each(|(_, joint)| steps.extend(joint_transforms(joint, posture)));
-        ChainSide { links, steps: steps.into() }
+        ChainSide { pieces, steps: steps.into() }
     }
 
     /// The same side where some joints stay as a schema has them: they are multiplied out, and tell of themselves no more.
     pub fn with_held(&self, schema: &BodySchema, is_held: impl Fn(usize) -> bool) -> ChainSide {
-        let (mut links, mut kept) = (Vec::new(), Vec::new());
+        let (mut pieces, mut kept) = (Vec::new(), Vec::new());
         let mut rest = self.steps.as_ref();
-        for link in self.links.iter() {
-            let (steps, after) = rest.split_at(link.steps());
+        for piece in self.pieces.iter() {
+            let (steps, after) = rest.split_at(piece.steps());
             rest = after;
-            match (link, links.last_mut()) {
-                (Link::Joint { joint, .. }, _) if !is_held(*joint) => {
+            match (piece, pieces.last_mut()) {
+                (ChainPiece::Joint { joint, .. }, _) if !is_held(*joint) => {
                     kept.extend_from_slice(steps);
-                    links.push(link.clone());
+                    pieces.push(piece.clone());
                 }
-                (_, Some(Link::Held(frame))) => link.carry(schema, steps, frame, |_, _, _| {}),
+                (_, Some(ChainPiece::Held(frame))) => piece.carry(schema, steps, frame, |_, _, _| {}),
                 _ => {
                     let mut frame = Frame::identity();
-                    link.carry(schema, steps, &mut frame, |_, _, _| {});
-                    links.push(Link::Held(frame));
+                    piece.carry(schema, steps, &mut frame, |_, _, _| {});
+                    pieces.push(ChainPiece::Held(frame));
                 }
             }
         }
-        ChainSide { links: links.into(), steps: kept.into() }
+        ChainSide { pieces: pieces.into(), steps: kept.into() }
     }
 
     /// The same side in a posture in which each joint is as on another of some sides like it, `of` says which of them by the
     /// joint's place: a posture that may never have been.
     pub fn mixed<'a>(&self, of: impl Fn(usize) -> &'a ChainSide) -> ChainSide {
         let mut steps = Vec::with_capacity(self.steps.len());
-        for (place, link) in self.links.iter().enumerate() {
-            steps.extend_from_slice(&of(place).steps[steps.len()..][..link.steps()]);
+        for (place, piece) in self.pieces.iter().enumerate() {
+            steps.extend_from_slice(&of(place).steps[steps.len()..][..piece.steps()]);
         }
-        ChainSide { links: self.links.clone(), steps: steps.into() }
+        ChainSide { pieces: self.pieces.clone(), steps: steps.into() }
     }
 
     /// `X_CL`: the pose of the limb at the end of the side in its ancestor.
@@ -121,10 +121,10 @@ impl ChainSide {
     fn walk(&self, schema: &BodySchema, mut visit: impl FnMut(usize, &DofTransform, &Frame)) -> Frame {
         let mut frame = Frame::identity();
         let mut rest = self.steps.as_ref();
-        for link in self.links.iter() {
-            let (steps, after) = rest.split_at(link.steps());
+        for piece in self.pieces.iter() {
+            let (steps, after) = rest.split_at(piece.steps());
             rest = after;
-            link.carry(schema, steps, &mut frame, &mut visit);
+            piece.carry(schema, steps, &mut frame, &mut visit);
         }
         frame
     }
@@ -158,7 +158,7 @@ impl ChainSide {
     /// those of [`angle_derivatives`](ChainSide::angle_derivatives), radians.
     pub fn turned(&self, angles: &mut impl Iterator<Item = f64>) -> ChainSide {
         let turned = |(dof, transform): &(usize, DofTransform)| (*dof, transform.turned_on(angles));
-        ChainSide { links: self.links.clone(), steps: self.steps.iter().map(turned).collect() }
+        ChainSide { pieces: self.pieces.clone(), steps: self.steps.iter().map(turned).collect() }
     }
 
     /// `p_C = X_CL p_L` and its derivatives by every position, axis and limb's pose of the side, into `jacobian`.
@@ -175,10 +175,10 @@ impl ChainSide {
         jacobian.poses.clear();
         let mut frame = Frame::identity();
         let mut steps = self.steps.iter().map(|(dof, transform)| (*dof, transform));
-        for link in self.links.iter() {
-            match *link {
-                Link::Held(held) => frame = frame * held,
-                Link::Joint { joint, steps: count } => {
+        for piece in self.pieces.iter() {
+            match *piece {
+                ChainPiece::Held(held) => frame = frame * held,
+                ChainPiece::Joint { joint, steps: count } => {
                     jacobian.joints.push((joint, frame.rotation));
                     carry_past(schema, joint, steps.by_ref().take(count), &mut frame, |dof, _, before| {
                         jacobian.dofs.push((dof, before.rotation));
@@ -199,10 +199,10 @@ impl ChainSide {
         let mut p = *p_l;
         let mut k = self.steps.len();
         let mut poses = jacobian.poses.iter_mut().rev();
-        for link in self.links.iter().rev() {
-            let (joint, count) = match *link {
-                Link::Joint { joint, steps } => (joint, steps),
-                Link::Held(held) => {
+        for piece in self.pieces.iter().rev() {
+            let (joint, count) = match *piece {
+                ChainPiece::Joint { joint, steps } => (joint, steps),
+                ChainPiece::Held(held) => {
                     p = held.point(&p);
                     continue;
                 }
@@ -238,12 +238,12 @@ impl ChainSide {
     }
 }
 
-impl Link {
+impl ChainPiece {
     /// How many of the side's steps are its own.
     fn steps(&self) -> usize {
         match self {
-            Link::Joint { steps, .. } => *steps,
-            Link::Held(_) => 0,
+            ChainPiece::Joint { steps, .. } => *steps,
+            ChainPiece::Held(_) => 0,
         }
     }
 
@@ -257,8 +257,8 @@ impl Link {
         visit: impl FnMut(usize, &DofTransform, &Frame),
     ) {
         match self {
-            Link::Held(held) => *frame = *frame * *held,
-            Link::Joint { joint, .. } => {
+            ChainPiece::Held(held) => *frame = *frame * *held,
+            ChainPiece::Joint { joint, .. } => {
                 let steps = steps.iter().map(|(dof, transform)| (*dof, transform));
                 carry_through(schema, *joint, steps, frame, visit);
             }

@@ -370,7 +370,7 @@ impl PreparedTouch {
 struct Linearized<'a> {
     schema: &'a BodySchema,
     parameters: &'a Parameters,
-    /// Per unit axis, a basis of its tangent plane; none where axes are relaxed.
+    /// Per unit axis, a basis of its tangent plane; empty if axes are relaxed.
     bases: Vec<Matrix3x2<f64>>,
 }
 

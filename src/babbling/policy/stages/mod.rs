@@ -1,7 +1,7 @@
 //! Growing up: few joints are learned at first, and more as they are known.
 //!
-//! All joints move at random until some that touched each other most can be learned; where that would take long, all rest but
-//! a few, and which few is found by trial ([`trials`]). Once they are known (see
+//! All joints move at random until some that touched each other most can be learned; where that is in vain, all rest but a
+//! few, and which few is found by trial ([`trials`]). Once they are known (see
 //! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
 //! known, towards a limb that is not placed yet ([`goals`]). Where the schema tells how, motions are aimed; where it does
 //! not, what was touched once is touched again, a little differently; and only ways are gone on which, as the schema
@@ -98,8 +98,8 @@ pub struct Stages {
 
 /// What a motion ended at.
 struct Met {
-    /// The touch; none on bare geometry.
-    touch: Option<usize>,
+    /// Whether it is bare geometry.
+    bare: bool,
     /// Where the motion came from.
     back: Posture,
     /// Whether a motion since then did not part it.
@@ -243,7 +243,7 @@ impl Stages {
         if first || rng.random::<f64>() < ANYWHERE {
             return self.anywhere(rng);
         }
-        if let Some(met) = self.met.as_ref().filter(|met| met.touch.is_none()) {
+        if let Some(met) = self.met.as_ref().filter(|met| met.bare) {
             return self.retreat(met, rng);
         }
         for _ in 0..GOALS {
@@ -291,7 +291,7 @@ impl Policy for Stages {
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
         let number = self.remembered.len() - 1;
         self.remember(number);
-        self.met = Some(Met { touch: Some(number), back: self.start.clone(), held: false });
+        self.met = Some(Met { bare: false, back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
             let first = self.growth.schema().is_none();
             let tells = !felt.spare && felt.told.moving.iter().all(|&joint| self.free[joint]);
@@ -317,7 +317,7 @@ impl Policy for Stages {
                 self.live_through(&self.in_unit(posture));
                 self.met = None;
             }
-            Ending::Bare => self.met = Some(Met { touch: None, back: self.start.clone(), held: false }),
+            Ending::Bare => self.met = Some(Met { bare: true, back: self.start.clone(), held: false }),
             Ending::Again | Ending::Touch(_) => self.met.iter_mut().for_each(|met| met.held = true),
         }
         self.caught = if *ending == Ending::Free { 0 } else { self.caught + 1 };

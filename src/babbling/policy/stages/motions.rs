@@ -115,32 +115,6 @@ impl Stages {
         Some(known[rng.random_range(0..known.len())])
     }
 
-    /// Brings some joints near to where they were in a touch, a little farther on the way that led there and a little
-    /// beside it, in shares of their ranges.
-    fn go_again(
-        &self,
-        number: usize,
-        joints: impl Iterator<Item = (usize, f64)>,
-        target: &mut Posture,
-        rng: &mut ChaCha8Rng,
-    ) {
-        let creature = self.agent.creature();
-        let [touched, from] = &self.remembered[number];
-        for (joint, scatter) in joints {
-            for at in creature.joints()[joint].elements() {
-                if at.is_ball() {
-                    at.of_mut(target).copy_from_slice(at.of(touched));
-                    continue;
-                }
-                let (q, [low, high]) = (at.coordinate(), at.range);
-                let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
-                let scatter = scatter * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
-                target[q] = (touched[q] + further + scatter).clamp(low, high);
-            }
-        }
-        creature.couple(target);
-    }
-
     /// A posture in which two places meet, by what is known of the joints between them, from a random one; what is not
     /// between them stays where it is: the less moves, the less gets in the way.
     fn brought_together(&self, [a, b]: [Place; 2], mut start: Posture, random: &Posture) -> Option<Posture> {
@@ -156,17 +130,31 @@ impl Stages {
         (reach.miss < NEAR).then_some(reach.posture)
     }
 
-    /// A posture near one in which something was touched that the goal wants.
+    /// A posture near one in which something was touched that the goal wants: a little farther on the way that led there and a
+    /// little beside it, in shares of the joints' ranges.
     pub(super) fn again(&self, rng: &mut ChaCha8Rng) -> Option<Posture> {
         let number = self.repeated(rng)?;
+        let creature = self.agent.creature();
+        let [touched, from] = &self.remembered[number];
         let mut target = self.here();
         let between = self.growth.touches()[number].told.chain.iter().filter(|&&joint| self.free[joint]);
-        let between: Vec<usize> = between.copied().collect();
-        let coordinates = between.iter().map(|&joint| self.agent.creature().joints()[joint].dofs.len());
+        let coordinates = between.clone().map(|&joint| creature.joints()[joint].dofs.len());
         let few = SCATTER / (coordinates.sum::<usize>() as f64).sqrt();
-        // Of a joint that hardly moves its touches tell hardly anything.
-        let scatter = |joint: usize| if self.joints().contains(&joint) { SCATTER } else { few };
-        self.go_again(number, between.iter().map(|&joint| (joint, scatter(joint))), &mut target, rng);
+        for &joint in between {
+            // Of a joint that hardly moves its touches tell hardly anything.
+            let scatter = if self.joints().contains(&joint) { SCATTER } else { few };
+            for at in creature.joints()[joint].elements() {
+                if at.is_ball() {
+                    at.of_mut(&mut target).copy_from_slice(at.of(touched));
+                    continue;
+                }
+                let (q, [low, high]) = (at.coordinate(), at.range);
+                let further = FARTHER * (touched[q] - from[q]).clamp(-FARTHEST, FARTHEST);
+                let scatter = scatter * (high - low) * (2.0 * rng.random::<f64>() - 1.0);
+                target[q] = (touched[q] + further + scatter).clamp(low, high);
+            }
+        }
+        creature.couple(&mut target);
         Some(target)
     }
 
