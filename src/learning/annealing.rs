@@ -9,7 +9,7 @@ use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::Deadline;
 use crate::learning::Parameters;
-use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::least_squares::{FIRST_DAMPING, Stopping, damped_from, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
@@ -160,10 +160,15 @@ pub fn anneal_to(
     let AnnealingLimits { widest, narrowest, deadline, exact } = limits;
     let skin = agent.skin();
     let touches = &touches.with_held(agent.creature(), parameters, &start);
-    let fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
+    let mut damping = FIRST_DAMPING;
+    let mut fit = |schema: BodySchema, deviation: f64, stopping: Stopping| {
+        // Far off, and in noise, short steps keep to the nearest answer.
+        if !exact || deviation >= NEARLY_CLOSED {
+            damping = FIRST_DAMPING;
+        }
         let model = SurfaceGap::new(skin, deviation);
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
-        levenberg_marquardt(&mut problem, schema, stopping).state
+        damped_from(&mut damping, &mut problem, schema, stopping).state
     };
     // Parameters take up a part of the gaps.
     let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);

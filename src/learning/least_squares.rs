@@ -58,6 +58,9 @@ pub struct Stopping {
     pub deadline: Deadline,
 }
 
+/// How much the first step is damped, in units of the curvature along each parameter.
+pub const FIRST_DAMPING: f64 = 1e-3;
+
 /// Where the iteration stopped.
 #[derive(Clone, Debug)]
 pub struct Solution<S> {
@@ -73,8 +76,19 @@ pub fn levenberg_marquardt<P: LeastSquares>(
     start: P::State,
     stopping: Stopping,
 ) -> Solution<P::State> {
+    let mut damping = FIRST_DAMPING;
+    damped_from(&mut damping, problem, start, stopping)
+}
+
+/// The same with the damping that the fit before, of nearly the same problem, ended with: in few steps from the first damping no
+/// answer moves far along what the problem hardly feels.
+pub fn damped_from<P: LeastSquares>(
+    damping: &mut f64,
+    problem: &mut P,
+    start: P::State,
+    stopping: Stopping,
+) -> Solution<P::State> {
     let mut state = start;
-    let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut cost = f64::INFINITY;
     let mut small_steps = 0;
@@ -91,7 +105,7 @@ pub fn levenberg_marquardt<P: LeastSquares>(
         loop {
             let mut damped = model.hessian.clone();
             for i in 0..damped.nrows() {
-                damped[(i, i)] += damping * model.scale[i].max(floor);
+                damped[(i, i)] += *damping * model.scale[i].max(floor);
             }
             let step = damped.cholesky().map(|factor| factor.solve(&-&model.gradient));
             if let Some(step) = step {
@@ -100,8 +114,8 @@ pub fn levenberg_marquardt<P: LeastSquares>(
                 if trial_cost < cost {
                     let predicted = -model.gradient.dot(&step) - 0.5 * quadratic(&model.hessian, &step);
                     let ratio = (cost - trial_cost) / predicted.max(f64::MIN_POSITIVE);
-                    damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
-                    damping = damping.max(1e-12);
+                    *damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
+                    *damping = damping.max(1e-12);
                     growth = 2.0;
                     let fall = (cost - trial_cost) / cost;
                     state = trial;
@@ -110,10 +124,11 @@ pub fn levenberg_marquardt<P: LeastSquares>(
                     break;
                 }
             }
-            damping *= growth;
+            *damping *= growth;
             growth *= 2.0;
-            // No damping gives a lower cost: a minimum to rounding.
-            if damping > 1e12 {
+            // No damping gives a lower cost: a minimum to rounding, which tells nothing of the next fit.
+            if *damping > 1e12 {
+                *damping = FIRST_DAMPING;
                 return Solution { state, cost };
             }
         }

@@ -124,14 +124,20 @@ impl Learned {
         }
     }
 
-    /// How many joints nothing is claimed across; where nothing is claimed at all, more than there are.
-    pub(crate) fn open_joints(&self) -> usize {
-        if self.verdict.converged() { self.undetermined().len() } else { usize::MAX }
+    /// How many joints and limbs nothing is claimed of; where nothing is claimed at all, more than there are.
+    pub(crate) fn open_members(&self) -> usize {
+        if self.verdict.converged() {
+            self.undetermined().len() + self.undetermined_limbs().len()
+        } else {
+            usize::MAX
+        }
     }
 
-    /// The same of joints and limbs.
-    pub(crate) fn open_members(&self) -> usize {
-        self.open_joints().saturating_add(self.undetermined_limbs().len())
+    /// The one of two that leaves less open, after the initial guesses of both.
+    pub(crate) fn or_better(self, other: Learned) -> Learned {
+        let initial_guesses = self.initial_guesses + other.initial_guesses;
+        let best = if other.open_members() < self.open_members() { other } else { self };
+        Learned { initial_guesses, ..best }
     }
 
     /// How sure the schema is: as sure as the touches make it where it stands up to fresh ones, unknown elsewhere.

@@ -45,14 +45,10 @@ impl GapRow {
     /// The gap's derivative by every hinge's angle at the schema that the row was set to, metres a radian, with its degree of
     /// freedom; into `slopes`.
     pub fn angle_slopes(&self, schema: &BodySchema, touch: &PreparedTouch, slopes: &mut Vec<(usize, f64)>) {
+        let along = touch.sides[0].frame(schema).rotation * self.normals[0];
+        let derivatives = touch.angle_derivatives(schema, self.points.each_ref());
         slopes.clear();
-        let mut derivatives = Vec::new();
-        for ((side, point), normal) in touch.sides.iter().zip(&self.points).zip(&self.normals) {
-            derivatives.clear();
-            side.angle_derivatives(schema, point, &mut derivatives);
-            let normal_c = side.frame(schema).rotation * normal;
-            slopes.extend(derivatives.iter().map(|(dof, derivative)| (*dof, normal_c.dot(derivative))));
-        }
+        slopes.extend(derivatives.iter().map(|(dof, derivative)| (*dof, along.dot(derivative))));
     }
 
     /// Sets the row to how far apart a schema leaves the two places of a touch along a unit vector of the common frame.

@@ -176,6 +176,19 @@ fn growth_refuses_what_it_cannot_learn_from() {
     assert!(message.contains("leave out --skin") && message.contains("--learner lm"), "{message}");
 }
 
+/// Joints that hardly open gaps close them slowly: fits of this body's are to be brought to their end.
+#[test]
+fn joints_that_touches_hardly_feel_are_learned_as_well() {
+    let place = tempfile::tempdir().unwrap();
+    let seed = "110012";
+    succeeds(place.path(), &["study", "generate", "--seed", seed, "--out", "body.xml"]);
+    let motions = ["babble", "body.xml", "--policy", "random", "--touches", "1000", "--seed", seed];
+    let found = json(place.path(), &[&motions[..], &["--learner", "growth", "--json"]].concat());
+    assert_eq!(found["undetermined"], serde_json::json!([]), "{}", found["verdict"]);
+    let worst = found["determined_mm"]["max"].as_f64().unwrap();
+    assert!(worst < 0.1, "{worst} mm of what is claimed");
+}
+
 mod slow {
     use serde_json::Value;
 

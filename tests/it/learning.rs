@@ -8,10 +8,13 @@ use bodyschema::geometry::tangent_basis;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::kinematics::limb_frames;
 use bodyschema::learning::initial_guess::random_guess;
+use bodyschema::learning::least_squares::{
+    FIRST_DAMPING, LeastSquares, Linearization, Stopping, damped_from,
+};
 use bodyschema::learning::{Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, Verdict};
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::RecordedTouch;
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -357,6 +360,44 @@ fn the_truth_has_no_error_and_what_is_known_not_at_all_has_much() {
 }
 
 /// By `cargo test slow:: -- --ignored`.
+/// `½ xᵀHx`.
+struct Valley(DMatrix<f64>);
+
+impl LeastSquares for Valley {
+    type State = DVector<f64>;
+
+    fn linearize(&mut self, x: &DVector<f64>) -> Linearization {
+        let (hessian, scale) = (self.0.clone(), self.0.diagonal());
+        Linearization { gradient: &hessian * x, cost: self.cost(x), hessian, scale }
+    }
+
+    fn cost(&self, x: &DVector<f64>) -> f64 {
+        0.5 * x.dot(&(&self.0 * x))
+    }
+
+    fn step(&self, x: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+        x + step
+    }
+}
+
+#[test]
+fn short_fits_come_as_far_as_a_long_one_if_each_goes_on_with_the_damping_of_the_one_before() {
+    // A thousand times as long as it is wide, across both parameters.
+    let mut valley = Valley(DMatrix::from_row_slice(2, 2, &[1.0, 1e-6 - 1.0, 1e-6 - 1.0, 1.0]));
+    let short = Stopping { iterations: 2, ..Stopping::default() };
+    let mut left = |goes_on: bool| {
+        let mut damping = FIRST_DAMPING;
+        let mut x = DVector::from_row_slice(&[1.0, 0.5]);
+        for _ in 0..6 {
+            damping = if goes_on { damping } else { FIRST_DAMPING };
+            x = damped_from(&mut damping, &mut valley, x, short).state;
+        }
+        x.amax()
+    };
+    assert!(left(true) < 1e-6, "{}", left(true));
+    assert!(left(false) > 0.1, "{}", left(false));
+}
+
 mod slow {
     use super::*;
 

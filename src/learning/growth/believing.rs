@@ -137,7 +137,7 @@ impl Growth {
     /// rounding forbids.
     fn fit(&mut self) -> bool {
         while let Some(deviation) = self.fit_once() {
-            let used: Vec<&ToldTouch> = self.used().map(|touch| &touch.told).collect();
+            let used: Vec<&ToldTouch> = self.used().map(|touch| &*touch.told).collect();
             let wrong = self.schema().and_then(|schema| self.scrutiny().most_open(&used, schema, deviation));
             let Some(wrong) = wrong else { return true };
             self.take_back(wrong);
@@ -210,7 +210,7 @@ impl Growth {
     /// fitted to, but not what comes after.
     fn revoke(&mut self) {
         let told = self.touches.iter().filter(|touch| touch.used || touch.refused.is_some());
-        let told = told.map(|touch| (&touch.told, touch.refused.is_some()));
+        let told = told.map(|touch| (&*touch.told, touch.refused.is_some()));
         if let Some(wrong) = self.scrutiny().most_suspect(told, |_, of_it| of_it.beyond() > CONTRADICTED) {
             self.take_back_all(&[wrong]);
         }

@@ -1,28 +1,19 @@
 //! The learner that grows a body part by part from all its touches.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-
 use super::Growth;
 use crate::agent::Agent;
 use crate::deadline::Deadline;
-use crate::learning::initial_guess::random_guess;
-use crate::learning::scrutiny::{Member, ToldTouch, moves};
-use crate::learning::{AxisModel, Input, Learned, Learner, Online, Parameters, SecondOrder, Verdict};
+use crate::learning::scrutiny::{Member, ToldTouch};
+use crate::learning::{Input, Learned, Learner, Online, SecondOrder};
 use crate::schema::BodySchema;
 use crate::senses::Touch;
 
-/// Times that a body is learned at once: an answer that explains touches and places nothing is no answer.
-const ATTEMPTS: u64 = 5;
 /// Times that what was learned and does not stand is looked for anew.
 const SECOND_LOOKS: usize = 3;
-/// Touches in which all joints move, from which a body is learned at once, at the least.
-const FEWEST_AT_LARGE: usize = 100;
 
 /// The learner `growth`: from receptors on known surfaces, or from contact points where touches report such.
 pub struct Grower {
     agent: Agent,
-    input: Input,
     growth: Growth,
     seed: u64,
     touches: Vec<Touch>,
@@ -36,81 +27,31 @@ impl Grower {
 
     /// A learner that goes on from what was learned of its first touches while they were made.
     pub fn from(agent: &Agent, growth: Growth, seed: u64) -> Grower {
-        Grower { agent: agent.clone(), input: Input::Receptor, growth, seed, touches: Vec::new() }
+        Grower { agent: agent.clone(), growth, seed, touches: Vec::new() }
     }
 
     /// The same with what touches report.
-    pub fn with_input(self, input: Input) -> Grower {
-        let mut grower = Grower { input, ..self };
-        grower.growth.learn_from(input);
-        grower
+    pub fn with_input(mut self, input: Input) -> Grower {
+        self.growth.learn_from(input);
+        self
     }
 
     /// Whether no more is to be had from the touches: points may tell of joints that surfaces tell nothing of.
     fn suffices(&self, grown: &Learned) -> bool {
-        self.input == Input::Receptor || grown.undetermined().is_empty()
+        self.growth.input == Input::Receptor || grown.undetermined().is_empty()
     }
 
-    /// Where no part is found that places anything, all joints at once: from the touches in which all of them move, if there
-    /// are such.
+    /// Where no part is found that places anything, all joints at once.
     fn learn_at_once(&self) -> Learned {
-        let creature = self.agent.creature();
-        let joints = self.growth.known_joints()[1];
-        let at_large = |touch: &&Touch| {
-            let moving = (0..creature.joints().len()).filter(|&joint| moves(creature, joint, &touch.posture));
-            moving.count() >= joints
-        };
-        let mut touches: Vec<&Touch> = self.touches.iter().filter(at_large).collect();
-        if touches.len() < FEWEST_AT_LARGE {
-            touches = self.touches.iter().collect();
-        }
-        // One equation a touch, of points three.
-        let equations = touches.len() * if self.input == Input::Contact { 3 } else { 1 };
-        let unknowns = Parameters::new(creature, AxisModel::Unit, |_| true).len();
-        let enough = touches.len() >= FEWEST_AT_LARGE && equations >= unknowns;
-        if enough && !self.growth.deadline.has_passed() {
-            let mut found = self.learn_whole(&touches, self.seed);
-            for attempt in 1..ATTEMPTS {
-                if found.verdict.converged() || self.growth.deadline.has_passed() {
-                    break;
-                }
-                let other = self.learn_whole(&touches, self.seed.wrapping_add(attempt << 32));
-                let initial_guesses = found.initial_guesses + other.initial_guesses;
-                if other.verdict.converged() {
-                    found = other;
-                }
-                found.initial_guesses = initial_guesses;
-            }
-            found.initial_guesses += self.growth.starts();
-            return found;
-        }
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let reason = match self.growth.starts() {
-            0 => "no part of the body has touches enough that were made while few joints moved, as growth needs them: make more \
-                  touches (--touches), by stages (--policy stages), or use another learner (--learner lm)"
-                .to_string(),
-            starts => format!(
-                "none of {starts} random initial guesses explains the touches of any part of the body; try another seed \
-                 (--seed), or random motions and contact points (--policy random --input contact)"
-            ),
-        };
-        let basis = SecondOrder::new(&self.agent, self.input, self.seed).basis();
-        let schema = random_guess(creature, &mut rng);
-        Learned::unaccounted(schema, basis, Verdict::Failed(reason), self.growth.starts())
-    }
-
-    /// Learns at once, from random initial guesses of a seed.
-    fn learn_whole(&self, touches: &[&Touch], seed: u64) -> Learned {
-        let mut learner: Box<dyn Learner> = match self.input {
-            Input::Receptor => Box::new(Online::new(&self.agent, seed)),
-            Input::Contact => Box::new(SecondOrder::new(&self.agent, self.input, seed)),
+        let mut learner: Box<dyn Learner> = match self.growth.input {
+            Input::Receptor => Box::new(Online::new(&self.agent, self.seed)),
+            Input::Contact => Box::new(SecondOrder::new(&self.agent, self.growth.input, self.seed)),
         };
         learner.end_at(self.growth.deadline);
-        touches.iter().for_each(|touch| learner.touch(touch));
-        let mut learned = learner.learn();
+        self.touches.iter().for_each(|touch| learner.touch(touch));
+        let learned = learner.learn();
         // A body that is told to have changed while it babbled did not: nothing was known of it.
-        learned.changes.clear();
-        learned
+        Learned { changes: Vec::new(), ..learned }
     }
 
     /// The last fit, to all touches that what is known should explain, and what they determine.
@@ -124,17 +65,17 @@ impl Grower {
                 let grown = &self.growth.touches()[number];
                 let lacks = self.growth.lacks(grown);
                 // Points place limbs that surfaces do not.
-                let told =
-                    lacks.joints.is_empty() && (lacks.limbs.is_empty() || self.input == Input::Contact);
+                let told = lacks.joints.is_empty()
+                    && (lacks.limbs.is_empty() || self.growth.input == Input::Contact);
                 told && !grown.told.moving.is_empty()
             })
             .collect();
         let fit = |schema: &BodySchema, told: &[usize]| {
-            let mut last = SecondOrder::new(&self.agent, self.input, self.seed);
+            let mut last = SecondOrder::new(&self.agent, self.growth.input, self.seed);
             told.iter().for_each(|&number| last.touch(&self.touches[number]));
             last.refine(schema)
         };
-        let touches: Vec<&ToldTouch> = self.growth.touches().iter().map(|touch| &touch.told).collect();
+        let touches: Vec<&ToldTouch> = self.growth.touches().iter().map(|touch| &*touch.told).collect();
         let learned = fit(schema, &told);
         let (learned, fallen) = self.growth.scrutiny().standing(&touches, told, learned, fit);
         (Learned { initial_guesses: self.growth.starts(), ..learned }, fallen)
@@ -189,10 +130,10 @@ impl Learner for Grower {
     fn learn(&mut self) -> Learned {
         match self.grown() {
             Some(grown) if grown.verdict.converged() && self.suffices(&grown) => grown,
-            grown => {
+            Some(grown) => grown.or_better(self.learn_at_once()),
+            None => {
                 let at_once = self.learn_at_once();
-                let better = |grown: &Learned| grown.open_joints() <= at_once.open_joints();
-                grown.filter(better).unwrap_or(at_once)
+                Learned { initial_guesses: self.growth.starts() + at_once.initial_guesses, ..at_once }
             }
         }
     }

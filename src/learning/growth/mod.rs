@@ -20,6 +20,7 @@ mod placement;
 mod solving;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 pub use learner::Grower;
 use nalgebra::DMatrix;
@@ -72,9 +73,10 @@ const TOUCHES: f64 = 1.8;
 const TOUCHES_OF_ALL: f64 = 1.2;
 /// Touches that a part which was tried in vain needs before it is tried again, in units of those that it had.
 const MORE: f64 = 1.5;
-/// Touches of one pair of limbs with the same joints moving that tell enough: a limb that is felt from few sides takes many to be
-/// placed.
-const ALIKE: usize = 100;
+/// Touches of one pair of limbs with the same joints moving that tell enough, …
+const ALIKE: usize = 25;
+/// … and where it is not known where they are: a limb that is felt from few sides takes many to be placed.
+const ALIKE_UNPLACED: usize = 100;
 /// After so many touches, or this share of all, it is seen what can be learned.
 const EVERY: usize = 6;
 const EVERY_SHARE: usize = 100;
@@ -117,6 +119,8 @@ pub struct Growth {
     /// Whether a first part is looked for in haste.
     hurries: bool,
     touches: Vec<GrownTouch>,
+    /// How many of them are between the same limbs with the same joints moving.
+    alike: BTreeMap<([usize; 2], Vec<usize>), usize>,
     /// Per joint, how far the skin that it carries may be from it at the most, metres.
     reach: Vec<f64>,
     /// Per joint, whether its axes are known.
@@ -170,6 +174,7 @@ impl Growth {
             starts: 0,
             hurries: false,
             touches: Vec::new(),
+            alike: BTreeMap::new(),
             resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
             placement: vec![f64::INFINITY; creature.limbs().len()],
             base: 0,
@@ -190,15 +195,15 @@ impl Growth {
         let (limbs, prepared) = felt.prepare(creature);
         let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
         let freedom = told.chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();
-        // Many touches that are alike are one wrong answer's majority.
-        let alike = self
-            .touches
-            .iter()
-            .filter(|other| other.told.limbs == limbs && other.told.moving == told.moving)
-            .count();
+        let alike = self.alike.entry((limbs, told.moving.clone())).or_default();
+        *alike += 1;
+        let alike = *alike;
         let unresolved: Vec<usize> =
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
-        let spare = alike >= ALIKE.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
+        let least = if limbs.iter().all(|&limb| self.placed(limb)) { ALIKE } else { ALIKE_UNPLACED };
+        // Many touches that are alike are one wrong answer's majority.
+        let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
+        let told = Arc::new(told);
         self.touches.push(GrownTouch { told, freedom, used: false, spare, refused: None });
         let due = self.touches.len() >= self.next;
         if due {
@@ -471,7 +476,7 @@ impl Growth {
     }
 
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
-        self.scrutiny().set(touches.map(|touch| &touch.told))
+        self.scrutiny().set(touches.map(|touch| &*touch.told))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parts of a body that can be learned at once: which joints and limbs, and whether there are touches enough.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::{FREEDOM, Growth, LIMB_FREEDOM};
 use crate::creature::DofKind;
@@ -23,7 +24,7 @@ const ADDED: u32 = 2;
 #[derive(Clone, Debug)]
 pub struct GrownTouch {
     /// The touch, and what it tells of.
-    pub told: ToldTouch,
+    pub told: Arc<ToldTouch>,
     /// How many degrees of freedom between the limbs do not rest.
     pub freedom: usize,
     /// Whether what is believed rests on it.

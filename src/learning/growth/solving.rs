@@ -383,7 +383,7 @@ impl Growth {
         gaps: &[f64],
         may: impl Fn(Member) -> bool,
     ) -> (usize, Option<Member>) {
-        let touches = numbers.iter().map(|&number| &self.touches[number].told);
+        let touches = numbers.iter().map(|&number| &*self.touches[number].told);
         let told = touches.zip(gaps.iter().map(|gap| *gap >= CLOSED));
         let open = gaps.iter().filter(|gap| **gap >= CLOSED).count();
         let wrong = |member, of_it: &Testimony| may(member) && of_it.beyond() > OPEN_SHARE;

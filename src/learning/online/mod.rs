@@ -114,7 +114,7 @@ pub struct Online {
     seen: usize,
     /// Touches at which learning is tried next.
     next_trial: usize,
-    /// What is tried where all joints at once explain nothing.
+    /// What is tried before all joints at once.
     search: Option<Search>,
     locked: Option<Locked>,
     /// Initial guesses used by trials so far.
@@ -210,7 +210,7 @@ impl Online {
         &self.surprises
     }
 
-    /// Sets what is tried where all joints at once explain nothing and nothing was known before.
+    /// Sets what is tried first where no schema was found so far and nothing was known before.
     pub fn with_search(self, search: Search) -> Online {
         Online { search: Some(search), ..self }
     }
@@ -489,10 +489,16 @@ impl Online {
 }
 
 impl Online {
-    /// What another search finds where nothing was found so far.
-    fn searched(&self) -> Option<Learned> {
-        let search = self.search.as_ref().filter(|_| self.locked.is_none() && !self.known.is_given())?;
-        search(self.batch.touches(), self.deadline).filter(|found| found.verdict.converged())
+    /// What all touches tell: found part by part where they are exact, even if some are false; where that leaves anything open, by
+    /// starts of the whole body, which take noise, if these leave less.
+    fn all_at_once(&mut self) -> Learned {
+        let search = self.search.as_ref().filter(|_| self.locked.is_none() && !self.known.is_given());
+        let found = search.and_then(|search| search(self.batch.touches(), self.deadline));
+        match found {
+            Some(found) if found.open_members() == 0 => found,
+            Some(found) => found.or_better(self.batch.learn()),
+            None => self.batch.learn(),
+        }
     }
 
     /// What was learned of all touches at once, as far as it stands before those between limbs that it places. Where there is
@@ -563,13 +569,7 @@ impl Learner for Online {
                 return if is_one_body { self.standing(learned) } else { learned };
             }
         }
-        // Where touches are noisy, other searches look in vain for what closes them, and for long.
-        let mut learned = self.batch.learn();
-        if !learned.verdict.converged()
-            && let Some(found) = self.searched()
-        {
-            learned = Learned { initial_guesses: learned.initial_guesses + found.initial_guesses, ..found };
-        }
+        let mut learned = self.all_at_once();
         learned.initial_guesses += self.initial_guesses;
         learned.changes = self.changes.clone();
         self.initial_guesses = learned.initial_guesses;

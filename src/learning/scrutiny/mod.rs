@@ -104,7 +104,7 @@ impl Testimony {
 }
 
 /// Whether a posture has a joint turned or pushed about an axis that is to be learned.
-pub fn moves(creature: &Creature, joint: usize, posture: &[f64]) -> bool {
+fn moves(creature: &Creature, joint: usize, posture: &[f64]) -> bool {
     let mut elements = creature.joints()[joint].elements();
     elements.any(|at| !at.is_ball() && posture[at.coordinate()] != 0.0)
 }
