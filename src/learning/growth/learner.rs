@@ -81,12 +81,13 @@ impl Grower {
         (Learned { initial_guesses: self.growth.starts(), ..learned }, fallen)
     }
 
-    /// What grows of some touches before a deadline, as far as it stands; `None` if no part is found.
-    pub fn grow(agent: &Agent, touches: &[Touch], deadline: Deadline, seed: u64) -> Option<Learned> {
+    /// What grows of some touches before a deadline, as far as it stands, and whether some of them are false by it; `None` if no
+    /// part is found.
+    pub fn grow(agent: &Agent, touches: &[Touch], deadline: Deadline, seed: u64) -> Option<(Learned, bool)> {
         let mut grower = Grower::new(agent, seed);
         grower.end_at(deadline);
         touches.iter().for_each(|touch| grower.touch(touch));
-        grower.grown()
+        Some((grower.grown()?, grower.growth.has_false_touches()))
     }
 
     fn grown(&mut self) -> Option<Learned> {
