@@ -359,7 +359,6 @@ fn the_truth_has_no_error_and_what_is_known_not_at_all_has_much() {
     assert!(exact.max < 1e-3, "exact contact points are {} mm apart", exact.max);
 }
 
-/// By `cargo test slow:: -- --ignored`.
 /// `½ xᵀHx`.
 struct Valley(DMatrix<f64>);
 
@@ -398,6 +397,7 @@ fn short_fits_come_as_far_as_a_long_one_if_each_goes_on_with_the_damping_of_the_
     assert!(left(false) > 0.1, "{}", left(false));
 }
 
+/// By `cargo test slow:: -- --ignored`.
 mod slow {
     use super::*;
 

@@ -38,7 +38,7 @@ impl Grower {
 
     /// Whether no more is to be had from the touches: points may tell of joints that surfaces tell nothing of.
     fn suffices(&self, grown: &Learned) -> bool {
-        self.growth.input == Input::Receptor || grown.undetermined().is_empty()
+        !self.growth.by_points() || grown.undetermined().is_empty()
     }
 
     /// Where no part is found that places anything, all joints at once.
@@ -65,8 +65,7 @@ impl Grower {
                 let grown = &self.growth.touches()[number];
                 let lacks = self.growth.lacks(grown);
                 // Points place limbs that surfaces do not.
-                let told = lacks.joints.is_empty()
-                    && (lacks.limbs.is_empty() || self.growth.input == Input::Contact);
+                let told = lacks.joints.is_empty() && (lacks.limbs.is_empty() || self.growth.by_points());
                 told && !grown.told.moving.is_empty()
             })
             .collect();
