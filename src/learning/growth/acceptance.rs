@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::evidence::Equation;
 use super::solving::{PartProblem, Solved};
-use super::{FREEDOM, GrownTouch, Growth, LIMB_FREEDOM};
+use super::{GrownTouch, Growth};
 use crate::creature::DofKind;
 use crate::learning::Parameters;
 use crate::learning::prediction::{add_row, information_inverse, row_variance};
@@ -91,14 +91,11 @@ impl Growth {
                 });
                 continue;
             }
-            let checked = |least: usize, of: &dyn Fn(&GrownTouch) -> bool| -> f64 {
-                let told = leverages.iter().filter(|(number, _)| {
-                    let touch = &self.touches[*number];
-                    touch.freedom >= least && of(touch)
-                });
+            let checked = |of: &dyn Fn(&GrownTouch) -> bool| -> f64 {
+                let told = leverages.iter().filter(|(number, _)| of(&self.touches[*number]));
                 told.map(|(_, leverage)| 1.0 - leverage).sum()
             };
-            let of_joint = |joint: usize| checked(FREEDOM, &|touch| touch.told.moving.contains(&joint));
+            let of_joint = |joint: usize| checked(&|touch| touch.told.moving.contains(&joint));
             let deviation = |joint: usize| self.axis_deviation_in(joint, &problem.unit, &covariance);
             let sure = |joint: usize| {
                 let swing = self.swing(joint);
@@ -113,7 +110,7 @@ impl Growth {
                 new.retain(|&number| !self.touches[number].told.moving.contains(&worst));
                 continue;
             }
-            let of_limb = |limb: usize| checked(LIMB_FREEDOM, &|touch| touch.told.limbs.contains(&limb));
+            let of_limb = |limb: usize| checked(&|touch| touch.told.limbs.contains(&limb));
             let lonely = |limb: &usize| {
                 of_limb(*limb) < CHECKED
                     && new.iter().any(|&number| self.touches[number].told.limbs.contains(limb))

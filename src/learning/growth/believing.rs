@@ -177,7 +177,6 @@ impl Growth {
             if touch.used
                 || touch.spare
                 || refused
-                || touch.told.moving.is_empty()
                 || !self.lacks(touch).is_nothing()
             {
                 continue;

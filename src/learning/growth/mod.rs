@@ -13,6 +13,7 @@
 
 mod acceptance;
 mod believing;
+mod conditions;
 mod evidence;
 mod learner;
 mod part;
@@ -29,6 +30,7 @@ pub use placement::rest;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use self::conditions::Conditions;
 use self::solving::PartProblem;
 use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
@@ -46,10 +48,8 @@ use crate::senses::Touch;
 /// Deviation that contact points are given, metres: they are exact, and what is believed before the first touch is to move
 /// nothing.
 const POINT: f64 = 1e-4;
-/// Coordinates that move between two limbs whose touches check their joints at the least, …
-pub const FREEDOM: usize = 4;
-/// … and where two limbs are that do not move on their joints.
-pub const LIMB_FREEDOM: usize = 2;
+/// Coordinates of a creature that grows at the least.
+const FREEDOM: usize = 4;
 /// Starts from random initial guesses with all parts but the first.
 const STARTS: usize = 16;
 /// Unknowns of a first part from which on fewer starts are made, and more touches needed.
@@ -119,8 +119,8 @@ pub struct Growth {
     /// Whether a first part is looked for in haste.
     hurries: bool,
     touches: Vec<GrownTouch>,
-    /// How many of them are between the same limbs with the same joints moving.
-    alike: BTreeMap<([usize; 2], Vec<usize>), usize>,
+    /// What those tell that are between the same limbs with the same joints moving.
+    conditions: BTreeMap<([usize; 2], Vec<usize>), Conditions>,
     /// Per joint, how far the skin that it carries may be from it at the most, metres.
     reach: Vec<f64>,
     /// Per joint, whether its axes are known.
@@ -174,7 +174,7 @@ impl Growth {
             starts: 0,
             hurries: false,
             touches: Vec::new(),
-            alike: BTreeMap::new(),
+            conditions: BTreeMap::new(),
             resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
             placement: vec![f64::INFINITY; creature.limbs().len()],
             base: 0,
@@ -194,17 +194,16 @@ impl Growth {
         let felt = LimbTouch::of(self.agent.skin(), touch, self.input, |_| POINT.powi(2));
         let (limbs, prepared) = felt.prepare(creature);
         let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
-        let freedom = told.chain.iter().map(|&joint| freedom(creature, joint, &touch.posture)).sum();
-        let alike = self.alike.entry((limbs, told.moving.clone())).or_default();
-        *alike += 1;
-        let alike = *alike;
+        let conditions = self.conditions.entry((limbs, told.moving.clone())).or_default();
+        let is_new = conditions.take(creature, &told.moving, &touch.posture);
+        let alike = conditions.count;
         let unresolved: Vec<usize> =
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let least = if limbs.iter().all(|&limb| self.placed(limb)) { ALIKE } else { ALIKE_UNPLACED };
         // Many touches that are alike are one wrong answer's majority.
-        let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
+        let spare = !is_new || told.moving.is_empty() || alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
         let told = Arc::new(told);
-        self.touches.push(GrownTouch { told, freedom, used: false, spare, refused: None });
+        self.touches.push(GrownTouch { told, used: false, spare, refused: None });
         let due = self.touches.len() >= self.next;
         if due {
             let few = EVERY.max(self.touches.len() / EVERY_SHARE);
@@ -252,10 +251,10 @@ impl Growth {
         self.starts < HASTY_STARTS && self.moved().keys().any(narrow)
     }
 
-    /// The sets of joints that moved in touches with freedom enough, and in how many.
+    /// The sets of joints that moved in touches, and in how many.
     fn moved(&self) -> BTreeMap<&[usize], usize> {
         let mut moved = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| touch.freedom >= FREEDOM) {
+        for touch in self.touches.iter().filter(|touch| !touch.spare) {
             *moved.entry(touch.told.moving.as_slice()).or_default() += 1;
         }
         moved
@@ -277,7 +276,7 @@ impl Growth {
         at_first.max(patience.more * before.unwrap_or(0) as f64)
     }
 
-    /// Touches with freedom enough in which nothing moved but some joints.
+    /// Touches in which nothing moved but some joints.
     pub fn touches_within(&self, joints: &[usize]) -> usize {
         within(&self.moved(), joints)
     }
@@ -489,15 +488,4 @@ fn within(moved: &BTreeMap<&[usize], usize>, joints: &[usize]) -> usize {
 /// Whether a joint has axes to be learned: a ball has none.
 pub fn has_axes(creature: &Creature, joint: usize) -> bool {
     creature.joints()[joint].dofs.iter().any(|dof| dof.kind != DofKind::Ball)
-}
-
-/// How many degrees of freedom of a joint are not at rest.
-fn freedom(creature: &Creature, joint: usize, posture: &[f64]) -> usize {
-    let elements = creature.joints()[joint].elements();
-    elements
-        .map(|at| match at.is_ball() {
-            true => 3 * usize::from(at.of(posture)[1..].iter().any(|&x| x != 0.0)),
-            false => usize::from(posture[at.coordinate()] != 0.0),
-        })
-        .sum()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{FREEDOM, Growth, LIMB_FREEDOM};
+use super::Growth;
 use crate::creature::DofKind;
 use crate::learning::scrutiny::ToldTouch;
 
@@ -25,8 +25,6 @@ const ADDED: u32 = 2;
 pub struct GrownTouch {
     /// The touch, and what it tells of.
     pub told: Arc<ToldTouch>,
-    /// How many degrees of freedom between the limbs do not rest.
-    pub freedom: usize,
     /// Whether what is believed rests on it.
     pub used: bool,
     /// Whether there were enough like it already: nothing is learned from it.
@@ -109,15 +107,6 @@ impl PartBits {
     }
 }
 
-/// Touches that lack the same.
-#[derive(Clone, Copy, Default)]
-struct Tally {
-    all: usize,
-    /// Those with freedom enough to check joints, and limbs.
-    of_joints: usize,
-    of_limbs: usize,
-}
-
 impl Growth {
     /// The unknowns of joints: a position, and a direction per axis.
     pub fn width(&self, joints: &[usize]) -> usize {
@@ -131,40 +120,32 @@ impl Growth {
     /// Whether a touch lacks something, and nothing but what is in a part.
     pub(super) fn is_of(&self, touch: &GrownTouch, part: &Part) -> bool {
         let lacks = self.lacks(touch);
-        !touch.spare && !touch.told.moving.is_empty() && !lacks.is_nothing() && part.holds(&lacks)
+        !touch.spare && !lacks.is_nothing() && part.holds(&lacks)
     }
 
     /// The parts with so many touches per unknown at the least, the most promising first, with their touches.
     pub(super) fn ready(&self, touches_per_unknown: f64) -> Vec<(Part, usize)> {
         let creature = self.agent.creature();
         let (joints, limbs) = (creature.joints().len(), creature.limbs().len());
-        let mut groups: BTreeMap<PartBits, Tally> = BTreeMap::new();
-        for touch in
-            self.touches.iter().filter(|touch| !touch.used && !touch.spare && !touch.told.moving.is_empty())
-        {
+        // How many touches lack the same.
+        let mut groups: BTreeMap<PartBits, usize> = BTreeMap::new();
+        for touch in self.touches.iter().filter(|touch| !touch.used && !touch.spare) {
             let lacks = self.lacks(touch);
-            if lacks.is_nothing() {
-                continue;
+            if !lacks.is_nothing() {
+                *groups.entry(PartBits::of(&lacks, joints, limbs)).or_default() += 1;
             }
-            let tally = groups.entry(PartBits::of(&lacks, joints, limbs)).or_default();
-            tally.all += 1;
-            tally.of_joints += usize::from(touch.freedom >= FREEDOM);
-            tally.of_limbs += usize::from(touch.freedom >= LIMB_FREEDOM);
         }
-        let groups: Vec<(PartBits, Tally)> = groups.into_iter().collect();
+        let groups: Vec<(PartBits, usize)> = groups.into_iter().collect();
         let widths: Vec<usize> =
             (0..joints).map(|joint| self.width(&[joint])).chain((0..limbs).map(|_| 3)).collect();
         let width = |part: &PartBits| -> usize { part.members().map(|member| widths[member]).sum() };
-        let within = |part: &PartBits| -> Vec<&(PartBits, Tally)> {
-            groups.iter().filter(|(group, _)| part.holds(group)).collect()
-        };
         let all = |part: &PartBits| -> usize {
-            groups.iter().map(|(group, tally)| if part.holds(group) { tally.all } else { 0 }).sum()
+            groups.iter().map(|(group, touches)| if part.holds(group) { *touches } else { 0 }).sum()
         };
         let worth = |part: &PartBits| all(part) as f64 / (width(part) as f64 + 1.0);
         let mut parts: Vec<PartBits> = groups.iter().map(|(group, _)| group.clone()).collect();
-        let mut seeds: Vec<&(PartBits, Tally)> = groups.iter().collect();
-        seeds.sort_by(|a, b| b.1.all.cmp(&a.1.all).then(a.0.cmp(&b.0)));
+        let mut seeds: Vec<&(PartBits, usize)> = groups.iter().collect();
+        seeds.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
         for (seed, _) in seeds.into_iter().take(SEEDS) {
             let mut part = seed.clone();
             for _ in 0..ADDITIONS {
@@ -189,15 +170,10 @@ impl Growth {
             if touches < touches_per_unknown * unknowns + 3.0 {
                 continue;
             }
-            let within = within(&part);
             let enough = part.members().all(|member| {
-                let told = within.iter().filter(|(group, _)| group.has(member));
-                match member < joints {
-                    true => {
-                        told.map(|(_, tally)| tally.of_joints).sum::<usize>() >= widths[member] + TO_SPARE
-                    }
-                    false => told.map(|(_, tally)| tally.of_limbs).sum::<usize>() >= OF_LIMB,
-                }
+                let tell = groups.iter().filter(|(group, _)| part.holds(group) && group.has(member));
+                let wanted = if member < joints { widths[member] + TO_SPARE } else { OF_LIMB };
+                tell.map(|(_, touches)| touches).sum::<usize>() >= wanted
             });
             if enough {
                 // Those with most touches for their size and, of these, the smallest.

@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{FEWEST_UNKNOWNS, FREEDOM, GrownTouch, Growth, Part};
+use super::{FEWEST_UNKNOWNS, GrownTouch, Growth, Part};
 use crate::deadline::in_parallel;
 use crate::learning::annealing::{HOPELESS, POINT_FITS, WIDEST, meet, usual_miss};
 use crate::learning::initial_guess::randomize_joint;
@@ -178,9 +178,8 @@ impl Growth {
             let within =
                 |number: &usize| of(number).told.chain.iter().all(|joint| part.joints.contains(joint));
             let inner: Vec<usize> = solved_by.iter().copied().filter(within).collect();
-            let free = inner.iter().filter(|number| of(number).freedom >= FREEDOM).count() as f64;
             let width = self.width(&part.joints);
-            if free >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
+            if inner.len() as f64 >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
                 solved_by = inner;
             }
         }
@@ -194,7 +193,7 @@ impl Growth {
         // Of very many the freest do.
         let most = MOST_TOUCHES * (self.width(&part.joints) + 3 * part.limbs.len());
         if self.belief.is_some() && solved_by.len() > most {
-            solved_by.sort_by_key(|&number| std::cmp::Reverse(self.touches[number].freedom));
+            solved_by.sort_by_key(|&number| std::cmp::Reverse(self.touches[number].told.moving.len()));
             solved_by.truncate(most);
         }
         let touches: Vec<&GrownTouch> = solved_by.iter().map(|&number| &self.touches[number]).collect();

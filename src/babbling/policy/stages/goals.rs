@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::trials::SURVEY_MOTIONS;
 use super::{Goal, Stages};
-use crate::learning::growth::FREEDOM;
 
 /// Motions with a limb to be placed, with joints to be learned, and how many more for each further joint.
 const LIMB_MOTIONS: usize = 12;
@@ -84,7 +83,7 @@ impl Stages {
     /// The joints to be learned of a touch that was made by chance: few, tried seldom, and with much skin.
     pub(super) fn chance(&self, tries: &impl Fn(&Goal) -> f64) -> Option<Vec<usize>> {
         let mut sets: BTreeMap<Vec<usize>, ()> = BTreeMap::new();
-        for touch in self.growth.touches().iter().filter(|touch| touch.freedom >= FREEDOM) {
+        for touch in self.growth.touches().iter().filter(|touch| !touch.spare) {
             let joints = self.growth.lacks(touch).joints;
             let few = !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS;
             if few && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES {

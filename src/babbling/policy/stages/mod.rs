@@ -23,7 +23,7 @@ use super::{Policy, PolicyStart};
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::learning::LengthUnit;
-use crate::learning::growth::{FREEDOM, Growth};
+use crate::learning::growth::Growth;
 use crate::senses::Touch;
 use crate::simulation::Ending;
 
@@ -295,7 +295,6 @@ impl Policy for Stages {
         if let Some(felt) = self.growth.touches().last() {
             let first = self.growth.schema().is_none();
             let tells = !felt.spare && felt.told.moving.iter().all(|&joint| self.free[joint]);
-            let tells = tells && (!first || felt.freedom >= FREEDOM);
             self.caught = if tells { 0 } else { self.caught + 1 };
             self.untouched = 0;
             match &mut self.at_random {

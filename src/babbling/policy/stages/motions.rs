@@ -7,7 +7,7 @@ use super::{Goal, Stages};
 use crate::babbling::policy::foresight::Foreseen;
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics, Place};
-use crate::learning::growth::{FREEDOM, GrownTouch, LIMB_FREEDOM, rest};
+use crate::learning::growth::{GrownTouch, rest};
 use crate::skin::Receptor;
 
 /// How far a repeated touch scatters, in shares of the ranges; how much farther it goes than the touch was, radians
@@ -85,7 +85,6 @@ impl Stages {
 
     /// Whether it serves the goal to touch again what a touch was of.
     pub(super) fn is_repeatable(&self, touch: &GrownTouch) -> bool {
-        let least = if self.joints().is_empty() { LIMB_FREEDOM } else { FREEDOM };
         let [a, b] = touch.told.limbs.map(|limb| self.wanted[limb]);
         let told = match self.aim {
             Goal::Repeat(_) => touch.told.moving.iter().any(|joint| self.joints().contains(joint)),
@@ -94,7 +93,7 @@ impl Stages {
             // Of two limbs neither of which is placed a touch does not place one.
             Goal::Limb(_) => a != b && self.growth.placed(touch.told.limbs[usize::from(a)]),
         };
-        touch.freedom >= least && told && touch.told.moving.iter().all(|&joint| self.free[joint])
+        !touch.spare && told && touch.told.moving.iter().all(|&joint| self.free[joint])
     }
 
     /// Remembers a touch by its pair of limbs, where it serves the goal to touch that again.
