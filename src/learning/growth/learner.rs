@@ -80,13 +80,12 @@ impl Grower {
         (Learned { initial_guesses: self.growth.starts(), ..learned }, fallen)
     }
 
-    /// What grows of some touches before a deadline, as far as it stands, and whether some of them are false by it; `None` if no
-    /// part is found.
-    pub fn grow(agent: &Agent, touches: &[Touch], deadline: Deadline, seed: u64) -> Option<(Learned, bool)> {
+    /// What grows of some touches before a deadline, as far as it stands; `None` if no part is found.
+    pub fn grow(agent: &Agent, touches: &[Touch], deadline: Deadline, seed: u64) -> Option<Learned> {
         let mut grower = Grower::new(agent, seed);
         grower.end_at(deadline);
         touches.iter().for_each(|touch| grower.touch(touch));
-        Some((grower.grown()?, grower.growth.has_false_touches()))
+        grower.grown()
     }
 
     fn grown(&mut self) -> Option<Learned> {

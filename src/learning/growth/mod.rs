@@ -357,7 +357,32 @@ impl Growth {
 
     /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
-        self.grow_trying(if self.gave_up() { TRIED_AT_LAST } else { usize::MAX })
+        let tried = if self.gave_up() { TRIED_AT_LAST } else { usize::MAX };
+        let mut grown = self.grow_trying(tried);
+        while !self.deadline.has_passed() && self.grow_rest() {
+            grown = true;
+            self.grow_trying(tried);
+        }
+        grown
+    }
+
+    /// Learns all that is left as one part: touches in which everything moves tell of nothing smaller.
+    fn grow_rest(&mut self) -> bool {
+        let touches = self.touches.iter().filter(|touch| !touch.spare);
+        let mut part = Part::default();
+        for lacking in touches.map(|touch| self.lacks(touch)) {
+            part.joints.extend(lacking.joints);
+            part.limbs.extend(lacking.limbs);
+        }
+        for members in [&mut part.joints, &mut part.limbs] {
+            members.sort_unstable();
+            members.dedup();
+        }
+        let before = self.known();
+        let enough = |problem: &PartProblem| problem.numbers.len() >= problem.unit.len();
+        let Some(problem) = self.part_problem(&part).filter(enough) else { return false };
+        let starts = if self.belief.is_some() { STARTS } else { first_starts(&problem, PATIENT).max(STARTS) };
+        self.learn(&problem, starts) && self.known() > before
     }
 
     fn grow_trying(&mut self, tried: usize) -> bool {
@@ -414,11 +439,8 @@ impl Growth {
         candidates.sort_by_key(|(part, _)| self.width(&part.joints));
         candidates.into_iter().take(tried).any(|(part, touches)| {
             let problem = self.part_problem(&part);
-            let known = problem.is_some_and(|problem| {
-                // Wide ones cost more each, and fewer find the answer.
-                let share = (FIRST_WIDTH / problem.unit.len() as f64).powi(2).min(1.0);
-                self.learn(&problem, (share * self.patience().starts) as usize)
-            });
+            let known =
+                problem.is_some_and(|problem| self.learn(&problem, first_starts(&problem, self.patience())));
             if !known {
                 self.failed.insert(part.key(), touches);
             }
@@ -477,6 +499,12 @@ impl Growth {
     fn set<'t>(&self, touches: impl Iterator<Item = &'t GrownTouch>) -> TouchSet {
         self.scrutiny().set(touches.map(|touch| &*touch.told))
     }
+}
+
+/// Starts that are made with a first part: wide ones cost more each, and fewer find the answer.
+fn first_starts(problem: &PartProblem, patience: Patience) -> usize {
+    let share = (FIRST_WIDTH / problem.unit.len() as f64).powi(2).min(1.0);
+    (share * patience.starts) as usize
 }
 
 /// Touches of sets of joints that moved in which nothing moved but some joints.

@@ -99,9 +99,8 @@ pub enum What {
     Beyond,
 }
 
-/// Another way to learn from touches until a deadline: what it finds, and whether some touches are false by it; `None` if it does
-/// not suit the body.
-pub type Search = Box<dyn Fn(&[Touch], Deadline) -> Option<(Learned, bool)>>;
+/// Another way to learn from touches until a deadline; `None` if it finds nothing, or does not suit the body.
+pub type Search = Box<dyn Fn(&[Touch], Deadline) -> Option<Learned>>;
 
 /// The learner `lm` on receptors and surfaces.
 pub struct Online {
@@ -490,16 +489,12 @@ impl Online {
 }
 
 impl Online {
-    /// What all touches tell: found part by part where they are exact, even if some are false; where they are all true and that
-    /// leaves anything open, by starts of the whole body, which take noise, if these leave less.
+    /// What all touches tell: found part by part where they are exact, even if some are false; else by starts of the whole body,
+    /// which take noise.
     fn all_at_once(&mut self) -> Learned {
         let search = self.search.as_ref().filter(|_| self.locked.is_none() && !self.known.is_given());
         let found = search.and_then(|search| search(self.batch.touches(), self.deadline));
-        match found.filter(|(found, _)| found.verdict.converged()) {
-            Some((found, has_false_touches)) if has_false_touches || found.open_members() == 0 => found,
-            Some((found, _)) => found.or_better(self.batch.learn()),
-            None => self.batch.learn(),
-        }
+        found.filter(|found| found.verdict.converged()).unwrap_or_else(|| self.batch.learn())
     }
 
     /// What was learned of all touches at once, as far as it stands before those between limbs that it places. Where there is
