@@ -174,11 +174,7 @@ impl Growth {
         let mut new = Vec::new();
         for (number, touch) in self.touches.iter().enumerate() {
             let refused = touch.refused == Some(known);
-            if touch.used
-                || touch.spare
-                || refused
-                || !self.lacks(touch).is_nothing()
-            {
+            if touch.used || touch.spare || refused || !self.lacks(touch).is_nothing() {
                 continue;
             }
             match self.miss(touch, &schema) < super::placement::PLACED {

@@ -7,7 +7,7 @@
 
 use nalgebra::DVector;
 
-use crate::creature::{Creature, DofKind, ball};
+use crate::creature::{DofElement, DofKind, ball};
 
 /// Products beyond which touches are not compared: nobody makes so many touches of two limbs with the same joints moving.
 const MOST_PRODUCTS: usize = 100;
@@ -18,17 +18,23 @@ const NEW: f64 = 1e-3;
 /// What touches of two limbs tell in which the same joints move.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Conditions {
-    /// How many told something new.
-    pub count: usize,
-    /// Their products, as orthonormal vectors.
+    /// How many touches there were, and how many of them told something new.
+    pub touches: usize,
+    pub new: usize,
+    /// The products of these, as orthonormal vectors.
     told: Vec<DVector<f64>>,
 }
 
 impl Conditions {
-    /// Takes in a touch made in a posture with some joints moving; whether it tells something new.
-    pub fn take(&mut self, creature: &Creature, moving: &[usize], posture: &[f64]) -> bool {
-        let is_new = products(creature, moving, posture).is_none_or(|products| self.add(products));
-        self.count += usize::from(is_new);
+    /// Takes in a touch in whose posture some elements of joints moved; whether it tells something new.
+    pub fn take<'a>(
+        &mut self,
+        elements: impl Iterator<Item = DofElement<'a>> + Clone,
+        posture: &[f64],
+    ) -> bool {
+        let is_new = most(elements.clone()) > MOST_PRODUCTS || self.add(products(elements, posture));
+        self.touches += 1;
+        self.new += usize::from(is_new);
         is_new
     }
 
@@ -47,10 +53,20 @@ impl Conditions {
     }
 }
 
-/// The products of a posture; `None` if they are very many.
-fn products(creature: &Creature, moving: &[usize], posture: &[f64]) -> Option<DVector<f64>> {
+/// How many conditions touches can make in which some elements of joints move: as many as these have products.
+pub(super) fn most<'a>(elements: impl Iterator<Item = DofElement<'a>>) -> usize {
+    let factors = |at: DofElement| match at.kind {
+        DofKind::Hinge => 3,
+        DofKind::Slide => 2,
+        DofKind::Ball => 10,
+    };
+    elements.map(factors).fold(1, usize::saturating_mul)
+}
+
+/// The products of a posture.
+fn products<'a>(elements: impl Iterator<Item = DofElement<'a>>, posture: &[f64]) -> DVector<f64> {
     let mut products = vec![1.0];
-    for at in moving.iter().flat_map(|&joint| creature.joints()[joint].elements()) {
+    for at in elements {
         let factors = match at.kind {
             DofKind::Hinge => {
                 let (sine, cosine) = at.of(posture)[0].sin_cos();
@@ -65,10 +81,55 @@ fn products(creature: &Creature, moving: &[usize], posture: &[f64]) -> Option<DV
                 std::iter::once(1.0).chain(turned.matrix().iter().copied()).collect()
             }
         };
-        if products.len() * factors.len() > MOST_PRODUCTS {
-            return None;
-        }
         products = products.iter().flat_map(|one| factors.iter().map(move |other| one * other)).collect();
     }
-    Some(DVector::from_vec(products))
+    DVector::from_vec(products)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::creature::{Creature, Dof, Joint};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// How many conditions random touches make between the ends of a chain of joints of some kinds.
+    fn conditions(kinds: &[DofKind], touches: usize) -> Conditions {
+        let range = |kind| if kind == DofKind::Slide { [-0.1, 0.1] } else { [-1.0, 1.0] };
+        let joint = |(parent, &kind): (usize, &DofKind)| {
+            let dof = Dof { name: format!("dof{parent}"), kind, range: range(kind), follows: None };
+            Joint::new(format!("joint{parent}"), parent, vec![dof])
+        };
+        let joints = kinds.iter().enumerate().map(joint).collect();
+        let limbs = (0..=kinds.len()).map(|limb| format!("limb{limb}")).collect();
+        let creature = Creature::new("chain".into(), limbs, joints, Vec::new()).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut conditions = Conditions::default();
+        for _ in 0..touches {
+            let posture: Vec<f64> =
+                kinds.iter().map(|kind| rng.random_range(range(*kind)[0]..range(*kind)[1])).collect();
+            conditions.take(creature.elements(), &posture);
+        }
+        conditions
+    }
+
+    #[test]
+    fn touches_make_no_more_conditions_than_their_joints_have_products() {
+        use DofKind::{Hinge, Slide};
+        for (kinds, products) in [(&[Hinge][..], 3), (&[Slide], 2), (&[Hinge, Slide], 6), (&[Hinge; 3], 27)] {
+            let found = conditions(kinds, 200);
+            assert_eq!((found.touches, found.new), (200, products), "{kinds:?}");
+        }
+        // Of many joints every touch is a condition of its own.
+        assert_eq!(conditions(&[Hinge; 5], 200).new, 200);
+    }
+
+    #[test]
+    fn the_same_posture_is_no_new_condition() {
+        let creature_of_one = &[DofKind::Hinge; 4];
+        let mut found = conditions(creature_of_one, 5);
+        let told = found.told.clone();
+        assert!(told.into_iter().all(|products| !found.add(products)));
+        assert_eq!(found.told.len(), 5);
+    }
 }

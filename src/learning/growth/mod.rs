@@ -8,8 +8,8 @@
 //!
 //! A part is accepted when the surfaces of its touches meet, within the patches that felt them and on their outside;
 //! when every touch that it rests on is checked by others (Baarda's reliability, "A Testing Procedure for Use in
-//! Geodetic Networks", 1968); and when all that was closed before stays closed. Touches in which only a few
-//! coordinates move check nothing: any smooth curve explains them.
+//! Geodetic Networks", 1968); and when all that was closed before stays closed. Of touches in which only a few coordinates
+//! move, which any smooth curve explains, those count that make a condition of their own ([`conditions`]).
 
 mod acceptance;
 mod believing;
@@ -48,7 +48,7 @@ use crate::senses::Touch;
 /// Deviation that contact points are given, metres: they are exact, and what is believed before the first touch is to move
 /// nothing.
 const POINT: f64 = 1e-4;
-/// Coordinates of a creature that grows at the least.
+/// Hinges and slides of a creature that grows at the least: with fewer, touches make fewer conditions than there are unknowns.
 const FREEDOM: usize = 4;
 /// Starts from random initial guesses with all parts but the first.
 const STARTS: usize = 16;
@@ -145,7 +145,7 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// Whether a creature can be grown at all: touches in which few coordinates move check nothing.
+    /// Whether a creature can be grown at all.
     pub fn suits(creature: &Creature) -> bool {
         let hinges_and_slides = creature.dofs().filter(|dof| dof.kind != DofKind::Ball).count();
         hinges_and_slides >= FREEDOM
@@ -194,16 +194,22 @@ impl Growth {
         let felt = LimbTouch::of(self.agent.skin(), touch, self.input, |_| POINT.powi(2));
         let (limbs, prepared) = felt.prepare(creature);
         let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
+        let elements = told.moving.iter().flat_map(|&joint| creature.joints()[joint].elements());
         let conditions = self.conditions.entry((limbs, told.moving.clone())).or_default();
-        let is_new = conditions.take(creature, &told.moving, &touch.posture);
-        let alike = conditions.count;
+        let is_new = conditions.take(elements.clone(), &touch.posture);
+        let most = conditions::most(elements.clone()) as f64;
+        let moves_alone = elements.count() < 2;
+        let alike = if is_new { conditions.new } else { conditions.touches };
         let unresolved: Vec<usize> =
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let least = if limbs.iter().all(|&limb| self.placed(limb)) { ALIKE } else { ALIKE_UNPLACED };
-        // Many touches that are alike are one wrong answer's majority.
-        let spare = !is_new || told.moving.is_empty() || alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize);
+        // Many touches that are alike are one wrong answer's majority; what moves by one coordinate meets in one place.
+        let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize)
+            || told.moving.is_empty()
+            || !is_new && moves_alone;
+        let suffices = most >= PATIENT.touches * self.width(&told.moving) as f64;
         let told = Arc::new(told);
-        self.touches.push(GrownTouch { told, used: false, spare, refused: None });
+        self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;
         if due {
             let few = EVERY.max(self.touches.len() / EVERY_SHARE);
@@ -251,10 +257,10 @@ impl Growth {
         self.starts < HASTY_STARTS && self.moved().keys().any(narrow)
     }
 
-    /// The sets of joints that moved in touches, and in how many.
+    /// The sets of joints that moved in touches that suffice for them, and in how many.
     fn moved(&self) -> BTreeMap<&[usize], usize> {
         let mut moved = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| !touch.spare) {
+        for touch in self.touches.iter().filter(|touch| touch.suffices) {
             *moved.entry(touch.told.moving.as_slice()).or_default() += 1;
         }
         moved
@@ -276,7 +282,7 @@ impl Growth {
         at_first.max(patience.more * before.unwrap_or(0) as f64)
     }
 
-    /// Touches in which nothing moved but some joints.
+    /// Touches that suffice for what moved in them in which nothing moved but some joints.
     pub fn touches_within(&self, joints: &[usize]) -> usize {
         within(&self.moved(), joints)
     }
@@ -355,6 +361,11 @@ impl Growth {
         }
     }
 
+    /// Whether others before it tell as much as a touch: of joints that are not known, all that it tells is what is new in it.
+    pub fn is_spare(&self, touch: &GrownTouch) -> bool {
+        touch.spare || !touch.is_new && touch.told.moving.iter().any(|&joint| !self.resolved[joint])
+    }
+
     /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
         let tried = if self.gave_up() { TRIED_AT_LAST } else { usize::MAX };
@@ -368,7 +379,7 @@ impl Growth {
 
     /// Learns all that is left as one part: touches in which everything moves tell of nothing smaller.
     fn grow_rest(&mut self) -> bool {
-        let touches = self.touches.iter().filter(|touch| !touch.spare);
+        let touches = self.touches.iter().filter(|touch| !self.is_spare(touch));
         let mut part = Part::default();
         for lacking in touches.map(|touch| self.lacks(touch)) {
             part.joints.extend(lacking.joints);

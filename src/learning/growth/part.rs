@@ -27,6 +27,10 @@ pub struct GrownTouch {
     pub told: Arc<ToldTouch>,
     /// Whether what is believed rests on it.
     pub used: bool,
+    /// Whether it makes a condition that those before it of the same limbs and moving joints did not make.
+    pub(super) is_new: bool,
+    /// Whether touches like it can make as many conditions as it takes to learn the joints that moved where nothing is known.
+    pub suffices: bool,
     /// Whether there were enough like it already: nothing is learned from it.
     pub spare: bool,
     /// How much was known when it was found not to agree with what is believed.
@@ -120,7 +124,7 @@ impl Growth {
     /// Whether a touch lacks something, and nothing but what is in a part.
     pub(super) fn is_of(&self, touch: &GrownTouch, part: &Part) -> bool {
         let lacks = self.lacks(touch);
-        !touch.spare && !lacks.is_nothing() && part.holds(&lacks)
+        !self.is_spare(touch) && !lacks.is_nothing() && part.holds(&lacks)
     }
 
     /// The parts with so many touches per unknown at the least, the most promising first, with their touches.
@@ -129,7 +133,7 @@ impl Growth {
         let (joints, limbs) = (creature.joints().len(), creature.limbs().len());
         // How many touches lack the same.
         let mut groups: BTreeMap<PartBits, usize> = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| !touch.used && !touch.spare) {
+        for touch in self.touches.iter().filter(|touch| !touch.used && !self.is_spare(touch)) {
             let lacks = self.lacks(touch);
             if !lacks.is_nothing() {
                 *groups.entry(PartBits::of(&lacks, joints, limbs)).or_default() += 1;

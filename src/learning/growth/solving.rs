@@ -179,7 +179,8 @@ impl Growth {
                 |number: &usize| of(number).told.chain.iter().all(|joint| part.joints.contains(joint));
             let inner: Vec<usize> = solved_by.iter().copied().filter(within).collect();
             let width = self.width(&part.joints);
-            if inner.len() as f64 >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
+            let enough = inner.iter().filter(|number| of(number).suffices).count() as f64;
+            if enough >= INNER_TOUCHES * width as f64 && width >= FEWEST_UNKNOWNS {
                 solved_by = inner;
             }
         }

@@ -294,7 +294,9 @@ impl Policy for Stages {
         self.met = Some(Met { bare: false, back: self.start.clone(), held: false });
         if let Some(felt) = self.growth.touches().last() {
             let first = self.growth.schema().is_none();
-            let tells = !felt.spare && felt.told.moving.iter().all(|&joint| self.free[joint]);
+            let tells = !self.growth.is_spare(felt)
+                && felt.told.moving.iter().all(|&joint| self.free[joint])
+                && (!first || felt.suffices);
             self.caught = if tells { 0 } else { self.caught + 1 };
             self.untouched = 0;
             match &mut self.at_random {

@@ -93,13 +93,13 @@ impl Stages {
             // Of two limbs neither of which is placed a touch does not place one.
             Goal::Limb(_) => a != b && self.growth.placed(touch.told.limbs[usize::from(a)]),
         };
-        !touch.spare && told && touch.told.moving.iter().all(|&joint| self.free[joint])
+        !self.growth.is_spare(touch) && told && touch.told.moving.iter().all(|&joint| self.free[joint])
     }
 
     /// Remembers a touch by its pair of limbs, where it serves the goal to touch that again.
     pub(super) fn remember(&mut self, number: usize) {
         let touch = &self.growth.touches()[number];
-        if touch.spare && self.growth.schema().is_none() {
+        if self.growth.is_spare(touch) && self.growth.schema().is_none() {
             // Of this pair there are enough.
             self.repeatable.remove(&touch.told.limbs);
         } else if self.is_repeatable(touch) {
