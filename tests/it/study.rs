@@ -271,9 +271,13 @@ mod slow {
         is_the_same_alone("learners", "24");
         is_the_same_alone("disturbances", "100");
     }
+}
+
+mod large {
+    use super::*;
 
     #[test]
-    #[ignore = "slow: all tasks of acting"]
+    #[ignore = "large: all tasks of acting"]
     fn max_does_every_task_by_what_he_has_learned() {
         let place = tempfile::tempdir().unwrap();
         let max = crate::common::repository("mjcf/max/max.xml");

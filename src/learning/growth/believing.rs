@@ -13,8 +13,6 @@ use crate::schema::BodySchema;
 
 /// Of so many touches one that was closed may open.
 const FEW_OPEN: usize = 50;
-/// This share of all touches that tell of a joint or a limb, if they are more than chance, take it back where they are against it.
-const CONTRADICTED: f64 = 0.08;
 /// Of so many touches one that is refused may be an exact one that is not understood; of more some are false.
 const SOME_FALSE: usize = 100;
 /// Touches are taken in when so many times as many are believed, or fewer.
@@ -197,18 +195,7 @@ impl Growth {
             touch.refused = (!touch.used).then_some(known);
         }
         self.place();
-        self.revoke();
         stands
-    }
-
-    /// Takes back the joint or the limb that touches contradict most, where they do: a wrong answer explains what it was
-    /// fitted to, but not what comes after.
-    fn revoke(&mut self) {
-        let told = self.touches.iter().filter(|touch| touch.used || touch.refused.is_some());
-        let told = told.map(|touch| (&*touch.told, touch.refused.is_some()));
-        if let Some(wrong) = self.scrutiny().most_suspect(told, |_, of_it| of_it.beyond() > CONTRADICTED) {
-            self.take_back_all(&[wrong]);
-        }
     }
 
     /// Takes back joints and limbs that do not stand.

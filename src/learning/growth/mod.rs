@@ -459,9 +459,7 @@ impl Growth {
         })
     }
 
-    /// The sets of joints that moved in touches, alone and with each other one that shares joints with it: touches between two
-    /// limbs alone may have a wrong answer near the right one. Those with too few unknowns together with others, those with most
-    /// touches first.
+    /// The sets of joints that moved in touches; those with too few unknowns together with others, those with most touches first.
     fn first_sets(&self, moved: &BTreeMap<&[usize], usize>) -> BTreeSet<Vec<usize>> {
         let fewest = FEWEST_UNKNOWNS.min(self.width_of_all() / 2);
         let widened = |set: &&[usize]| {
@@ -481,14 +479,7 @@ impl Growth {
                 }
             }
         };
-        let with_others = moved.keys().flat_map(|set| {
-            let share = |other: &&&[usize]| other.iter().any(|joint| set.contains(joint));
-            let others = moved.keys().filter(move |other| *other > set).filter(share);
-            let both = |other: &&[usize]| -> BTreeSet<usize> { set.iter().chain(*other).copied().collect() };
-            others.map(both).map(|both| both.into_iter().collect())
-        });
-        let solvable = |both: &Vec<usize>| (fewest..=FIRST_WIDTH as usize).contains(&self.width(both));
-        moved.keys().filter_map(widened).chain(with_others.filter(solvable)).collect()
+        moved.keys().filter_map(widened).collect()
     }
 
     /// Solves a part and takes it in where it stands.
