@@ -18,7 +18,7 @@ use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, U
 use self::mind::Mind;
 use self::requests::{Act, Acted, Answer, REQUESTS};
 use super::actor::Actor;
-use super::tasks::{Grip, Search, Trouble, tried};
+use super::tasks::{FeltOn, Grip, Search, Trouble, tried};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::peripersonal::{ReachableMap, distance};
@@ -373,7 +373,7 @@ impl Conversation {
         for known in self.mind.things.iter_mut().filter(|known| known.in_touch.is_some()) {
             known.in_touch = None;
             // Where it cannot, the next motion says so.
-            let _ = self.actor.withdraw(&known.found, &self.ready);
+            let _ = self.actor.withdraw(&FeltOn::once(&known.found), &self.ready);
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
 use crate::interaction::avoiding::Avoiding;
 use crate::interaction::body_part;
 use crate::interaction::conversation::grammar::{Leave, Request};
-use crate::interaction::tasks::{FeltOver, Trouble, tried};
+use crate::interaction::tasks::{BodyFound, FeltOver, Trouble, tried};
 use crate::named::in_words;
 use crate::peripersonal::distance;
 
@@ -84,7 +84,7 @@ impl Conversation {
                 }
                 for &receptor in part.receptors.iter().take(TRIES) {
                     let touched = match request.stick {
-                        true => self.actor.touch_own_with_stick(receptor),
+                        true => self.actor.with_stick(|actor, hand| actor.touch_own(receptor, Some(hand))),
                         false => self.actor.touch_own(receptor, by),
                     };
                     let this = match touched {
@@ -127,21 +127,20 @@ impl Conversation {
         self.let_be();
         self.settle();
         let found = self.actor.feel_over();
-        let found = found.map_err(|trouble| self.hindered("I could not explore my whole body", trouble))?;
+        let FeltOver { touches, body } =
+            found.map_err(|trouble| self.hindered("I could not explore my whole body", trouble))?;
         // What he touched himself with was meant.
         self.actor.take_unexpected();
-        if matches!(found, FeltOver::Changed { .. }) {
+        if matches!(body, BodyFound::Changed(_)) {
             self.mind.things.forget_all();
             self.search = None;
             self.reachable.take();
             self.ready = self.actor.ready();
         }
         self.settle();
-        Ok(match found {
-            FeltOver::Same { touches } => {
-                Answer::done(format!("{touches} self-touches: my body is as I know it"))
-            }
-            FeltOver::Changed { touches, joints } => {
+        Ok(match body {
+            BodyFound::Same => Answer::done(format!("{touches} self-touches: my body is as I know it")),
+            BodyFound::Changed(joints) => {
                 let names = self.actor.own.creature().joints();
                 let told = joints.iter().map(|(joint, distance)| {
                     let name = in_words(&names[*joint].name);
@@ -153,15 +152,15 @@ impl Conversation {
                      learned, and have to feel again where the table and its things are"
                 ))
             }
-            FeltOver::Unexplained { touches } => Answer::failed(format!(
+            BodyFound::Unexplained => Answer::failed(format!(
                 "{touches} self-touches show that my body is not as I know it, but not how it has changed. I will \
                  not act until I know it again"
             )),
-            FeltOver::TooFew { touches: 0 } => Answer::failed(
+            BodyFound::Undecided if touches == 0 => Answer::failed(
                 "I do not know how accurate my body schema is, so I cannot tell whether my body has changed: I \
                  should babble again",
             ),
-            FeltOver::TooFew { touches } => Answer::failed(format!(
+            BodyFound::Undecided => Answer::failed(format!(
                 "{touches} self-touches are too few to tell whether my body has changed"
             )),
         })

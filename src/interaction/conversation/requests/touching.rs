@@ -48,7 +48,7 @@ impl Conversation {
         }
         self.let_be();
         self.settle();
-        match self.actor.touch_with_stick(&thing.found, lean, 1) {
+        match self.actor.with_stick(|actor, hand| actor.touch_again(&thing.found, hand, lean, 1)) {
             Ok(touching) => {
                 self.mind.things.felt_again(thing.id, &touching.found);
                 Ok(Answer::done("I touch it with the stick"))
