@@ -24,13 +24,13 @@ pub(super) const TOUCH: RequestKind = RequestKind::of_body(
         touched
     }),
     "told: ^ USE STICK ?to|for|on ?TOUCH; TOUCH ?on|at|against|up THING|SOME|HAND|them; ^ TOUCH; GO ?over ON|and \
-     THING; REACH ?out ?and|for|to ?TOUCH THING; PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land \
-     ?your|one|both ?down|out HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in \
-     ?CONTACT|touch|top|with ?with|of THING|SOME; make|get|have ?in CONTACT with THING|SOME; USE HAND ?to|for|on \
-     ?TOUCH; HAND ?should|must|be|GO ?be|go|should ?be ON THING; HAND ON THING|SOME; ^ HAND $; ^ ?but|and|do|try \
-     ?THING with|use HAND ?instead|now $; REACH ?out ?and|to|for TOUCH; switch|change|swap ?over ?to HAND; TOUCH & \
-     THING; HAND TOUCH THING; ^ THING & other|instead; HAND TOUCH; PUT|lay|get .. HAND|finger|fingertip .. ON \
-     THING; give THING .. TOUCH|dab|poke|tap|touch; TOUCH THING ?with other|left|right",
+     THING; REACH ?out ?and|for|to ?TOUCH THING; PUT|get|keep|have|press|hold|REACH|lower|PULL|PUSH|land ?your|one \
+     ?down|out HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near ?CONTACT|top|with ?with|of \
+     THING|SOME; make|get|have ?in CONTACT with THING|SOME; USE HAND ?to|for|on ?TOUCH; HAND ?should|must|be|GO \
+     ?be|go|should ?be ON THING; HAND ON THING|SOME; ^ HAND $; ^ ?but|and|do|try ?THING with|use HAND ?instead $; \
+     REACH ?out ?and|to|for TOUCH; switch|change|swap ?over ?to HAND; TOUCH & THING; HAND TOUCH THING; ^ THING & \
+     other|instead; HAND TOUCH; PUT|get .. HAND|finger|fingertip .. ON THING; give THING .. TOUCH; TOUCH THING \
+     ?with other|left|right",
 );
 
 impl Conversation {
