@@ -143,7 +143,7 @@ impl Conversation {
                     return self.moves(&request, leave);
                 }
                 if only_which {
-                    let said = format!("I did not understand which one. {}", self.question());
+                    let said = format!("I did not understand which one. {}", self.mind.question(&self.actor));
                     let intent = request.intent;
                     self.pending = Some(Pending::Which(request, leave));
                     return Ok(self.reply(intent, Answer::asks(said)));
@@ -242,7 +242,7 @@ impl Conversation {
             }
             None if handles && !feels_first => {
                 self.pending = Some(Pending::Which(request.clone(), leave));
-                return Ok(self.reply(intent, Answer::asks(self.question())));
+                return Ok(self.reply(intent, Answer::asks(self.mind.question(&self.actor))));
             }
             it if handles => self.mind.things.mean(it),
             _ => {}

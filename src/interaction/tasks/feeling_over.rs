@@ -16,7 +16,7 @@ use crate::interaction::actor::Actor;
 use crate::kinematics::Chain;
 use crate::learning::{BodyChange, Certainty, Learner, Online, What};
 use crate::peripersonal::CollisionChecker;
-use crate::senses::{SkinContact, SkinSpot, Touch, TouchEnd, Toucher};
+use crate::senses::{SkinContact, Touch, TouchEnd, Toucher};
 
 /// What is felt farther from where the schema has it than this was not to be expected, metres: a hand that is stopped in
 /// the middle of a swift motion is in what it met by a millimetre.
@@ -219,7 +219,10 @@ impl Actor {
         let touch = self.touch_exactly(
             target,
             |_, contact| contact.by.own().is_some(),
-            |_, contacts| only_own_touch(contacts),
+            |_, contacts| match contacts {
+                [SkinContact { spot, by: Toucher::Own(other), .. }] => Some([*spot, *other]),
+                _ => None,
+            },
         )?;
         Ok(touch.map(|(spots, posture)| Touch {
             bout: 0,
@@ -228,13 +231,5 @@ impl Actor {
             ends: spots.map(|spot| TouchEnd::at(spot.receptor)),
             moment: None,
         }))
-    }
-}
-
-/// The two places of one's own skin that touch, where nothing else does.
-fn only_own_touch(contacts: &[SkinContact]) -> Option<[SkinSpot; 2]> {
-    match contacts {
-        [SkinContact { spot, by: Toucher::Own(other), .. }] => Some([*spot, *other]),
-        _ => None,
     }
 }

@@ -106,7 +106,7 @@ impl Actor {
             Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
             went => went?,
         }
-        self.touch_felt(felt, hand, lean, corrections)
+        self.touch_again(felt, hand, lean, corrections)
     }
 
     /// The same where what felt the thing is away from it already.
@@ -114,16 +114,6 @@ impl Actor {
     /// # Errors
     /// [`Trouble`].
     pub fn touch_again(
-        &mut self,
-        found: &FoundThing,
-        hand: usize,
-        lean: bool,
-        corrections: usize,
-    ) -> Result<Touching, Trouble> {
-        self.touch_felt(FeltOn::once(found), hand, lean, corrections)
-    }
-
-    fn touch_felt(
         &mut self,
         felt: FeltOn,
         hand: usize,

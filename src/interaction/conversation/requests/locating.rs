@@ -83,7 +83,7 @@ impl Conversation {
         match self.mind.find(&self.actor, request.which).or(self.mind.things.it()) {
             Some(known) => Ok(known),
             None if self.mind.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
-            None => Err(Answer::asks(self.question())),
+            None => Err(Answer::asks(self.mind.question(&self.actor))),
         }
     }
 

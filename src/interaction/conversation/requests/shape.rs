@@ -102,7 +102,7 @@ impl Conversation {
     fn felt_in_words(&self, what: &str) -> Answer {
         Answer::tells(match self.mind.things.it() {
             None if self.mind.things.is_empty() => "I have not felt anything yet".into(),
-            None => self.question(),
+            None => self.mind.question(&self.actor),
             Some(KnownThing { shape: Some(shape), .. }) => said_of(shape),
             Some(known) => {
                 let places = &known.places;

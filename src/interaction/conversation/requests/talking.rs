@@ -107,7 +107,7 @@ impl Conversation {
                 format!("I know of only one thing, {}", self.place(&known.at))
             }
             _ if things.is_empty() => "I have not felt anything yet, so I do not know which you mean".into(),
-            _ => format!("I do not know which one you mean. {}", self.question()),
+            _ => format!("I do not know which one you mean. {}", self.mind.question(&self.actor)),
         })
     }
 

@@ -3,7 +3,7 @@
 use super::super::Conversation;
 use super::super::speaking::cm;
 use super::{Act, Acted, Answer, RequestKind};
-use crate::interaction::tasks::Trouble;
+use crate::interaction::tasks::{FeltOn, Trouble};
 use crate::interaction::things::KnownThing;
 use crate::peripersonal::{Level, OutOfReach};
 
@@ -48,7 +48,10 @@ impl Conversation {
         }
         self.let_be();
         self.settle();
-        match self.actor.with_stick(|actor, hand| actor.touch_again(&thing.found, hand, lean, 1)) {
+        match self
+            .actor
+            .with_stick(|actor, hand| actor.touch_again(FeltOn::once(&thing.found), hand, lean, 1))
+        {
             Ok(touching) => {
                 self.mind.things.felt_again(thing.id, &touching.found);
                 Ok(Answer::done("I touch it with the stick"))
@@ -79,7 +82,7 @@ impl Conversation {
         }
         let result = match touching {
             Some(_) => self.actor.touch(&thing.found, hand, lean, 1),
-            None => self.actor.touch_again(&thing.found, hand, lean, 1),
+            None => self.actor.touch_again(FeltOn::once(&thing.found), hand, lean, 1),
         };
         match result {
             Ok(touching) => {
