@@ -48,20 +48,18 @@ fn acting(criterion: &mut Criterion) {
             weight: 100.0,
         });
         for near in clearance.near(&frames, NEAR) {
-            let other = near.other.map(|limb| (limb, near.gap.points[1]));
-            let [point, _] = near.gap.points;
             let rate = (-30.0 * (near.gap.distance - 0.01)).min(0.0);
             program.keep(&Barrier {
                 limb: near.limb,
-                point,
-                other,
+                other: near.other,
+                points: near.gap.points,
                 normal: near.gap.normal,
                 rate,
                 yields: false,
             });
         }
         let (normal, rate) = (-Vector3::x(), 0.3);
-        program.keep(&Barrier { limb: hand, point, other: None, normal, rate, yields: true });
+        program.keep(&Barrier { limb: hand, other: None, points: [point; 2], normal, rate, yields: true });
         program.solve()
     };
     let mut group = criterion.benchmark_group("acting");

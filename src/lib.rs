@@ -49,7 +49,7 @@ pub use session::{
 
 // Acting by what was learned.
 pub use interaction::{
-    Actor, Avoiding, Conversation, FoundThing, Hand, Intent, PlaceGoal, Reply, Stop, Touching, Trouble,
+    Actor, Avoiding, Conversation, FoundThing, Hand, Intent, PlaceGoal, Reply, Touching, Trouble,
 };
 pub use kinematics::Place;
 pub use peripersonal::{

@@ -22,7 +22,33 @@ impl Shape {
     /// Samples spread over the surface, about one per `spacing` m², in the shape's axes; none of a shape that only
     /// its receptors tell of.
     pub fn samples(&self, spacing: f64) -> Vec<SurfaceSample> {
-        samples(self, spacing)
+        let count = ((self.area() / spacing).ceil() as usize).max(24);
+        match *self {
+            Shape::Sphere { radius } => directions(count).map(|normal| (normal * radius, normal)).collect(),
+            Shape::Capsule { radius, half_length } => {
+                // Archimedes: a sphere's area is spread evenly along z, and so is a cylinder's.
+                let height = 2.0 * (radius + half_length);
+                let point = |k: usize| {
+                    let z = height * ((k as f64 + 0.5) / count as f64 - 0.5);
+                    let core = z.clamp(-half_length, half_length);
+                    let up = (z - core) / radius;
+                    let ring = (1.0 - up * up).max(0.0).sqrt();
+                    let angle = golden() * k as f64;
+                    let normal = Vector3::new(ring * angle.cos(), ring * angle.sin(), up);
+                    (normal * radius + Vector3::z() * core, normal)
+                };
+                (0..count).map(point).collect()
+            }
+            Shape::Mesh => Vec::new(),
+            _ => {
+                let point = Parametrised::new(self);
+                let candidates = (0..CANDIDATES * count).filter_map(|k| {
+                    let along = |step: f64| (0.5 + step * k as f64).fract();
+                    point.at(STEPS.map(along))
+                });
+                thinned(candidates, APART * (self.area() / count as f64).sqrt())
+            }
+        }
     }
 }
 
@@ -39,36 +65,6 @@ pub fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
         let ring = (1.0 - z * z).sqrt();
         Vector3::new(ring * cos, ring * sin, z)
     })
-}
-
-fn samples(shape: &Shape, spacing: f64) -> Vec<SurfaceSample> {
-    let count = ((shape.area() / spacing).ceil() as usize).max(24);
-    match *shape {
-        Shape::Sphere { radius } => directions(count).map(|normal| (normal * radius, normal)).collect(),
-        Shape::Capsule { radius, half_length } => {
-            // Archimedes: a sphere's area is spread evenly along z, and so is a cylinder's.
-            let height = 2.0 * (radius + half_length);
-            let point = |k: usize| {
-                let z = height * ((k as f64 + 0.5) / count as f64 - 0.5);
-                let core = z.clamp(-half_length, half_length);
-                let up = (z - core) / radius;
-                let ring = (1.0 - up * up).max(0.0).sqrt();
-                let angle = golden() * k as f64;
-                let normal = Vector3::new(ring * angle.cos(), ring * angle.sin(), up);
-                (normal * radius + Vector3::z() * core, normal)
-            };
-            (0..count).map(point).collect()
-        }
-        Shape::Mesh => Vec::new(),
-        _ => {
-            let point = Parametrised::new(shape);
-            let candidates = (0..CANDIDATES * count).filter_map(|k| {
-                let along = |step: f64| (0.5 + step * k as f64).fract();
-                point.at(STEPS.map(along))
-            });
-            thinned(candidates, APART * (shape.area() / count as f64).sqrt())
-        }
-    }
 }
 
 /// A surface over the unit cube: evenly spread numbers give evenly spread points.

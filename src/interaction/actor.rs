@@ -15,9 +15,7 @@ use crate::creature::{Creature, Posture};
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
 use crate::kinematics::Place;
-use crate::peripersonal::{
-    CollisionChecker, Obstacle, OwnBody, PosturePath, ReachTarget, Reaching, distance,
-};
+use crate::peripersonal::{CollisionChecker, Obstacle, OwnBody, PosturePath, ReachPlan, Reaching, distance};
 use crate::senses::{Balance, SkinContact, Toucher};
 use crate::simulation::AgentHandle;
 
@@ -60,25 +58,6 @@ impl Hand {
     }
 }
 
-/// How a motion ended.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Stop {
-    /// Where it was to go.
-    Arrived,
-    /// At something that was felt.
-    Felt(Vec<SkinContact>),
-}
-
-impl Stop {
-    /// What was felt, if anything was.
-    pub fn felt(self) -> Vec<SkinContact> {
-        match self {
-            Stop::Arrived => Vec::new(),
-            Stop::Felt(contacts) => contacts,
-        }
-    }
-}
-
 /// Something that was felt, and where that was.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundThing {
@@ -92,13 +71,6 @@ pub struct FoundThing {
     pub point: Vector3<f64>,
     /// The unit direction into the thing, in the root's frame.
     pub direction: Vector3<f64>,
-}
-
-impl FoundThing {
-    /// Where it was, and the way into the thing.
-    pub fn aim(&self) -> ReachTarget {
-        ReachTarget { point: self.point, direction: self.direction }
-    }
 }
 
 /// A creature that acts.
@@ -130,9 +102,9 @@ pub struct Actor {
     /// The receptors of his own skin that last touched where the schema did not have it, and how far apart it had them, metres.
     pub(super) unexpected: Option<([usize; 2], f64)>,
     /// The postures of the last motion, step by step.
-    trail: VecDeque<Posture>,
-    /// Steps made.
-    steps: usize,
+    pub(super) trail: VecDeque<Posture>,
+    /// Steps made along paths.
+    pub(super) steps: usize,
     pub(super) seed: u64,
 }
 
@@ -322,8 +294,8 @@ impl Actor {
         front.fold(f64::NEG_INFINITY, f64::max).max(0.0)
     }
 
-    /// Goes along a way, the tips of the hands at most at `speed` metres a second, until something is felt that the
-    /// motion does not just part from and that `heeded` does not say to pass over.
+    /// Follows a path, the tips of the hands at most at `speed` metres a second, until skin feels something that the
+    /// motion does not just part from and that is `heeded`. Returns the contacts that stopped it; none if it arrived.
     ///
     /// # Errors
     /// Where the engine fails.
@@ -332,7 +304,7 @@ impl Actor {
         way: &PosturePath,
         speed: f64,
         heeded: impl Fn(&Actor, &SkinContact) -> bool,
-    ) -> Result<Stop> {
+    ) -> Result<Vec<SkinContact>> {
         let mut parting: Option<Vec<SkinContact>> = None;
         let step = self.handle.timestep();
         let tips = self.hands.iter().map(|hand| hand.tip).chain(self.stick_tip());
@@ -363,36 +335,23 @@ impl Actor {
                     felt.iter().copied().filter(|now| !is_left(now) && heeded(self, now)).collect();
                 if !news.is_empty() {
                     self.heed_own_touch(&news);
-                    return Ok(Stop::Felt(news));
+                    return Ok(news);
                 }
             }
         }
-        Ok(Stop::Arrived)
+        Ok(Vec::new())
     }
 
-    /// The posture of so many steps of the last motion ago; `None` if it has not moved so long.
-    pub(super) fn steps_ago(&self, steps: usize) -> Option<&Posture> {
-        self.trail.len().checked_sub(1 + steps).map(|k| &self.trail[k])
-    }
-
-    /// Forgets the last motion, and hands it out.
-    pub(super) fn take_trail(&mut self) -> VecDeque<Posture> {
-        std::mem::take(&mut self.trail)
-    }
-
-    /// Takes a motion for the last one again: it has ended near where that ended.
-    pub(super) fn give_trail(&mut self, trail: VecDeque<Posture>) {
-        self.trail = trail;
+    /// Follows the path of a plan, then goes straight on, until skin feels something; see [`Actor::follow`]. Contact may
+    /// come sooner than planned: a thing can be larger than the room that it was given.
+    pub(super) fn approach(&mut self, plan: &ReachPlan) -> Result<Vec<SkinContact>> {
+        let felt = self.follow(&plan.way, SWIFT, |_, _| true)?;
+        if felt.is_empty() { self.follow(&plan.straight, CAREFUL, |_, _| true) } else { Ok(felt) }
     }
 
     /// Has been put into a posture by a partner: nothing is remembered of how it came there.
     pub fn was_placed(&mut self) {
         self.trail.clear();
-    }
-
-    /// How many steps it has made along ways.
-    pub(super) fn steps(&self) -> usize {
-        self.steps
     }
 
     /// The postures that it went through since it had made so many steps, as far as it remembers them, the latest first.

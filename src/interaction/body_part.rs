@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use super::actor::Actor;
-use super::conversation::grammar::{PartName, name_words, patch_name};
+use super::conversation::grammar::{EVERYDAY, PartName, name_words, patch_name};
 use crate::geometry::{Capsule, ConvexBody, Frame};
 use crate::peripersonal::STICK_TIP;
 
@@ -72,60 +72,6 @@ impl BodyPart {
         ((at(receptor) - at(first)).norm() - half(first)).max(0.0)
     }
 }
-
-/// Everyday names, with a star where there is one on either side, and how skin of the name is found: the farthest of some regions to
-/// the front, to its own side (or to the left), and up; about a joint by its name, or where two regions meet, in such a direction;
-/// the `tip` of a region, farthest from where that is carried; or `all` of some.
-const EVERYDAY: &[&str] = &[
-    "nose,tip of nose: head 1 0 0",
-    "mouth,lip,lips: head 1 0 -0.4",
-    "chin,jaw: head 1 0 -1",
-    "forehead,brow: head 1 0 0.8",
-    "face: head 1 0 0",
-    "back of head: head -1 0 0",
-    "top of head,crown,scalp,hair: head 0 0 1",
-    "cheek,cheeks*: head 1 0.9 -0.2",
-    "eye,eyes*: head 1 0.5 0.35",
-    "temple,temples*: head 0.5 1 0.3",
-    "ear,ears,side of head*: head 0 1 0",
-    "throat: neck 1 0 0",
-    "nape,back of neck: neck -1 0 0",
-    "belly,tummy,stomach,navel,belly button,waist: abdomen 1 0 0",
-    "breastbone,sternum,breast,torso,trunk: chest 1 0 0",
-    "heart: chest 1 0.3 0",
-    "rib,ribs*: chest 0.2 1 -0.3",
-    "collarbone,clavicle*: chest 1 0.6 1",
-    "shoulder blade*: chest -1 0.6 0.5",
-    "back,upper back,spine: chest -1 0 0",
-    "lower back: abdomen -1 0 0",
-    "hip,hips*: pelvis 0 1 0",
-    "bottom,bum,buttocks,backside: pelvis -1 0 -0.3",
-    "armpit*: shoulder of upper_arm chest 0 -0.3 -1",
-    "shoulder,shoulders*: shoulder of upper_arm chest 0 1 0.6",
-    "elbow,elbows*: elbow of upper_arm forearm -1 0.3 0",
-    "wrist,wrists*: wrist of forearm hand 0 1 0",
-    "lower arm*: all forearm",
-    "arm,arms*: all upper_arm forearm hand",
-    "upper arm,upper arms*: all upper_arm",
-    "palm,palms,palm of hand*: hand 0 -1 0",
-    "back of hand*: hand 0 1 0",
-    "hand,hands,fist*: all hand",
-    "knuckle,knuckles*: hand 0 1 -0.3",
-    "thumb,thumbs*: hand 1 0 0",
-    "finger,fingers,fingertip,fingertips,index,index finger,middle finger,ring finger,little finger*: tip hand",
-    "lap*: thigh 1 0 0.6",
-    "upper leg,thighs*: all thigh",
-    "leg,legs*: all thigh shank foot",
-    "knee,knees*: knee of thigh shank 1 0 0",
-    "shin,shins,lower leg*: shank 1 0 0",
-    "calf,calves*: shank -1 0 0",
-    "ankle,ankles*: ankle of shank foot 0 1 0",
-    "foot,feet*: all foot",
-    "heel,heels*: foot -1 0 -0.5",
-    "toe,toes,big toe*: foot 1 0 0",
-    "sole,soles,sole of foot*: foot 0 0 -1",
-    "skin,body: chest abdomen 1 0 0",
-];
 
 /// The parts that a name may mean, most often one; both where there is one on either side and none is named. `touching` is
 /// the hand that acts now, of which the other is "the other".

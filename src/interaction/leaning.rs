@@ -3,6 +3,7 @@
 use super::actor::Actor;
 use super::tasks::Trouble;
 use crate::creature::Posture;
+use crate::geometry::Frame;
 use crate::peripersonal::OutOfReach;
 
 /// Shares of the farthest that it leans, the first that keeps clear.
@@ -12,18 +13,43 @@ const CLEAR: f64 = 0.01;
 /// … and postures of the arms that are drawn for it.
 const DRAWN: usize = 60;
 
+/// The least gain for which a joint of the trunk is bent, metres.
+const GAIN: f64 = 1e-3;
+
 impl Actor {
     /// The joints of the trunk that carry both hands.
-    fn trunk(&self) -> Vec<usize> {
+    pub(super) fn trunk(&self) -> Vec<usize> {
         let [a, b] = &self.hands;
         a.leaning.iter().copied().filter(|joint| b.leaning.contains(joint)).collect()
     }
 
-    /// How far forward the limb is that carries both arms, in the root's frame, metres.
-    fn shoulders_forward(&self, posture: &[f64]) -> f64 {
-        let frames = self.own.frames(posture);
+    /// How far forward the shoulders are on average, in the root's frame, metres.
+    fn shoulders_forward(&self, frames: &[Frame]) -> f64 {
         let of = |hand: usize| frames[self.hands[hand].arm[0] + 1].origin.dot(&self.front);
         0.5 * (of(0) + of(1))
+    }
+
+    /// A posture with the trunk bent as far as it goes, joint by joint from the hips, each to the end of its range where a
+    /// distance is greatest, metres. A joint that gains nothing stays.
+    pub(super) fn bent(&self, from: &[f64], distance: impl Fn(&[Frame]) -> f64) -> Posture {
+        let mut bent = Posture::from(from);
+        for joint in self.trunk() {
+            let joint = &self.own.creature().joints()[joint];
+            for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
+                let q = at.coordinate();
+                let far = |value: f64| {
+                    let mut posture = bent.clone();
+                    posture[q] = value;
+                    distance(&self.own.frames(&posture))
+                };
+                let [low, high] = at.range.map(far);
+                if low.max(high) > far(bent[q]) + GAIN {
+                    bent[q] = at.range[usize::from(high > low)];
+                }
+            }
+        }
+        self.own.creature().couple(&mut bent);
+        bent
     }
 
     /// Leans forward as far as it keeps clear of itself and of what it knows; by how far its shoulders came forward, metres.
@@ -32,29 +58,11 @@ impl Actor {
     /// [`Trouble`] where it cannot, or meets something.
     pub(super) fn lean_forward(&mut self) -> Result<f64, Trouble> {
         let from = self.posture();
-        let mut bent = from.clone();
-        for joint in self.trunk() {
-            let joint = &self.own.creature().joints()[joint];
-            for at in joint.elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
-                let q = at.coordinate();
-                let forward = |value: f64| {
-                    let mut posture = bent.clone();
-                    posture[q] = value;
-                    self.shoulders_forward(&posture)
-                };
-                let [low, high] = at.range;
-                let (low_at, high_at, here) = (forward(low), forward(high), forward(bent[q]));
-                // What does not lead forward stays.
-                if low_at.max(high_at) > here + 1e-3 {
-                    bent[q] = if high_at > low_at { high } else { low };
-                }
-            }
-        }
-        self.own.creature().couple(&mut bent);
-        let before = self.shoulders_forward(&from);
+        let bent = self.bent(&from, |frames| self.shoulders_forward(frames));
+        let before = self.shoulders_forward(&self.frames());
         let Some(leaning) = self.leaning_towards(&from, &bent) else { return Err(OutOfReach::Barred.into()) };
         self.go(&leaning)?;
-        Ok(self.shoulders_forward(&self.posture()) - before)
+        Ok(self.shoulders_forward(&self.frames()) - before)
     }
 
     /// A posture with the trunk as far on the way to a bent one as there are postures of the arms that keep clear: as they

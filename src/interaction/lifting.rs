@@ -4,7 +4,7 @@
 
 use nalgebra::Vector3;
 
-use super::actor::{Actor, CAREFUL, Stop};
+use super::actor::{Actor, CAREFUL};
 use super::tasks::Trouble;
 use crate::creature::Posture;
 use crate::kinematics::{Place, REACHED};
@@ -27,11 +27,12 @@ impl Actor {
             return Err(OutOfReach::Barred.into());
         }
         let before = self.feels_at(receptor).0;
-        let stop =
+        let met =
             self.follow(&PosturePath(way), CAREFUL, |_, contact| matches!(contact.by, Toucher::Own(_)))?;
-        match stop {
-            Stop::Arrived => Ok((self.feels_at(receptor).0 - before).dot(&self.up)),
-            Stop::Felt(contacts) => Err(Trouble::Hit(contacts)),
+        if met.is_empty() {
+            Ok((self.feels_at(receptor).0 - before).dot(&self.up))
+        } else {
+            Err(Trouble::Hit(met))
         }
     }
 
@@ -41,9 +42,9 @@ impl Actor {
     /// Where the engine fails.
     pub(super) fn lower(&mut self, receptor: usize, by: f64) -> Result<bool, Trouble> {
         let way = self.upwards(receptor, -(by + SINKS));
-        let stop =
+        let met =
             self.follow(&PosturePath(way), CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
-        Ok(stop != Stop::Arrived)
+        Ok(!met.is_empty())
     }
 
     /// Postures on a straight way of a receptor's place up, or down, as far as the arm goes.

@@ -12,7 +12,7 @@ mod stick;
 mod tasks;
 mod things;
 
-pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT, Stop};
+pub use actor::{Actor, CAREFUL, FoundThing, Hand, SWIFT};
 pub use avoiding::{Avoiding, PlaceGoal, QUICK};
 pub use body_part::BodyPart;
 pub use conversation::grammar::{
@@ -22,6 +22,7 @@ pub use conversation::{Conversation, Intent, Reply, understood};
 pub use own_spot::OwnTouch;
 pub use stick::{HeldStick, KnownStick};
 pub use tasks::{
-    Feeling, FeltOn, FeltOver, Grip, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching, Trouble,
+    BodyFound, Feeling, FeltOn, FeltOver, Grip, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching,
+    Trouble,
 };
 pub use things::{KnownThing, ThingId, Things};

@@ -1,6 +1,6 @@
 //! Putting a hand to a spot of one's own skin.
 
-use super::actor::{Actor, CAREFUL, SWIFT, Stop};
+use super::actor::Actor;
 use super::tasks::Trouble;
 use crate::peripersonal::{OutOfReach, ReachTarget};
 use crate::senses::SkinContact;
@@ -49,18 +49,12 @@ impl Actor {
                     continue;
                 }
             };
-            let stop = match self.follow(&plan.way, SWIFT, |_, _| true)? {
-                Stop::Arrived => self.follow(&plan.straight, CAREFUL, |_, _| true)?,
-                felt => felt,
-            };
-            let Stop::Felt(contacts) = stop else {
-                trouble = Trouble::Nothing;
-                continue;
-            };
-            match self.met(&contacts, hand, receptor) {
+            let contacts = self.approach(&plan)?;
+            trouble = match self.met(&contacts, hand, receptor) {
                 Some(touch) => return Ok(touch),
-                None => trouble = Trouble::Hit(contacts),
-            }
+                None if contacts.is_empty() => Trouble::Nothing,
+                None => Trouble::Hit(contacts),
+            };
         }
         Err(trouble)
     }

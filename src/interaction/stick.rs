@@ -9,9 +9,8 @@ use nalgebra::Vector3;
 
 use crate::error::Result;
 use crate::geometry::Ball;
-use crate::interaction::actor::{Actor, FoundThing, Hand};
-use crate::interaction::own_spot::OwnTouch;
-use crate::interaction::tasks::{Touching, Trouble};
+use crate::interaction::actor::{Actor, Hand};
+use crate::interaction::tasks::Trouble;
 use crate::learning::Tool;
 use crate::learning::touch_set::PreparedTouch;
 use crate::peripersonal::{CollisionChecker, OwnBody};
@@ -180,37 +179,20 @@ impl Actor {
         pressed.then_some(only.spot.receptor)
     }
 
-    /// Does something with the tip of the stick in place of the hand that holds it; `None` if no stick is known.
-    fn with_stick<T>(&mut self, act: impl FnOnce(&mut Actor, usize) -> T) -> Option<T> {
-        let (tip, hand) = (self.stick_tip()?, self.stick.as_ref()?.hand);
+    /// Touches something with the tip of the stick in place of the hand that holds it, which `touch` is given.
+    ///
+    /// # Errors
+    /// [`Trouble`]; [`Trouble::Nothing`] if no stick is known.
+    pub fn with_stick<T>(
+        &mut self,
+        touch: impl FnOnce(&mut Actor, usize) -> Result<T, Trouble>,
+    ) -> Result<T, Trouble> {
+        let held = self.stick_tip().zip(self.stick.as_ref().map(|stick| stick.hand));
+        let (tip, hand) = held.ok_or(Trouble::Nothing)?;
         let with_tip = Hand { receptors: vec![tip], tip, ..self.hands[hand].clone() };
         let without = std::mem::replace(&mut self.hands[hand], with_tip);
-        let done = act(self, hand);
+        let touched = touch(self, hand);
         self.hands[hand] = without;
-        Some(done)
-    }
-
-    /// Touches a thing that was felt with the tip of the stick; see [`Actor::touch_again`]. [`Trouble::Nothing`] where no
-    /// stick is known.
-    ///
-    /// # Errors
-    /// [`Trouble`].
-    pub fn touch_with_stick(
-        &mut self,
-        found: &FoundThing,
-        lean: bool,
-        corrections: usize,
-    ) -> Result<Touching, Trouble> {
-        self.with_stick(|actor, hand| actor.touch_again(found, hand, lean, corrections))
-            .unwrap_or(Err(Trouble::Nothing))
-    }
-
-    /// Touches a receptor of his own with the tip of the stick; see [`Actor::touch_own`]. [`Trouble::Nothing`] where no
-    /// stick is known.
-    ///
-    /// # Errors
-    /// [`Trouble`].
-    pub fn touch_own_with_stick(&mut self, receptor: usize) -> Result<OwnTouch, Trouble> {
-        self.with_stick(|actor, hand| actor.touch_own(receptor, Some(hand))).unwrap_or(Err(Trouble::Nothing))
+        touched
     }
 }

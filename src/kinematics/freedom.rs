@@ -56,6 +56,15 @@ struct Screw {
     turns: bool,
 }
 
+/// What is fixed to a limb, in the root's frame.
+#[derive(Clone, Copy, Debug)]
+pub enum Feature {
+    /// A point, metres.
+    Point(Vector3<f64>),
+    /// A unit direction.
+    Direction(Vector3<f64>),
+}
+
 /// A body in a posture, and how it moves from there.
 #[derive(Clone, Debug)]
 pub struct FreeMotions {
@@ -194,66 +203,31 @@ impl FreeMotions {
             .filter(move |(_, screw)| self.carries[screw.limb][limb])
     }
 
-    /// Adds to each freedom's entry how fast a point of a limb, given in the root's frame, moves along a direction.
-    pub fn add_point_rates(
-        &self,
-        limb: usize,
-        point: &Vector3<f64>,
-        along: &Vector3<f64>,
-        rates: &mut [f64],
-    ) {
+    /// Adds to each freedom's entry how fast a feature of a limb moves along a direction.
+    pub fn add_rates(&self, limb: usize, feature: Feature, along: &Vector3<f64>, rates: &mut [f64]) {
         for (k, screw) in self.moving(limb) {
-            rates[k] += screw.point_rate(point).dot(along);
+            rates[k] += screw.rate(&feature).dot(along);
         }
     }
 
-    /// The same for a direction that is fixed to a limb, given in the root's frame.
-    pub fn add_direction_rates(
+    /// Adds to each freedom's entry how fast the gap grows between points of a limb and of another one, which moves with no
+    /// freedom if it is `None`; the normal leads from the other to the limb.
+    pub fn add_gap_rates(
         &self,
-        limb: usize,
-        direction: &Vector3<f64>,
-        along: &Vector3<f64>,
+        [limb, other]: [Option<usize>; 2],
+        points: &[Vector3<f64>; 2],
+        normal: &Vector3<f64>,
         rates: &mut [f64],
     ) {
-        for (k, screw) in self.moving(limb).filter(|(_, screw)| screw.turns) {
-            rates[k] += screw.axis.cross(direction).dot(along);
+        for (limb, point, normal) in [(limb, points[0], *normal), (other, points[1], -normal)] {
+            limb.into_iter().for_each(|limb| self.add_rates(limb, Feature::Point(point), &normal, rates));
         }
     }
 
-    /// Adds the second derivatives of where a point of a limb is along a direction.
-    pub fn add_point_curvature(
-        &self,
-        limb: usize,
-        point: &Vector3<f64>,
-        along: &Vector3<f64>,
-        sum: &mut DMatrix<f64>,
-    ) {
-        self.add_curvature(limb, along, sum, |screw| screw.point_rate(point));
-    }
-
-    /// The same for a direction that is fixed to a limb.
-    pub fn add_direction_curvature(
-        &self,
-        limb: usize,
-        direction: &Vector3<f64>,
-        along: &Vector3<f64>,
-        sum: &mut DMatrix<f64>,
-    ) {
-        self.add_curvature(limb, along, sum, |screw| match screw.turns {
-            true => screw.axis.cross(direction),
-            false => Vector3::zeros(),
-        });
-    }
-
-    fn add_curvature(
-        &self,
-        limb: usize,
-        along: &Vector3<f64>,
-        sum: &mut DMatrix<f64>,
-        rate: impl Fn(&Screw) -> Vector3<f64>,
-    ) {
+    /// Adds the second derivatives of where a feature of a limb is along a direction.
+    pub fn add_curvature(&self, limb: usize, feature: Feature, along: &Vector3<f64>, sum: &mut DMatrix<f64>) {
         let moving: Vec<(usize, &Screw, Vector3<f64>)> =
-            self.moving(limb).map(|(k, screw)| (k, screw, rate(screw))).collect();
+            self.moving(limb).map(|(k, screw)| (k, screw, screw.rate(&feature))).collect();
         for (i, outer, _) in moving.iter().filter(|(_, screw, _)| screw.turns) {
             // The turn nearer to the root turns the rate of the other.
             let turned = along.cross(&outer.axis);
@@ -269,8 +243,13 @@ impl FreeMotions {
 }
 
 impl Screw {
-    /// How fast a point that it carries moves.
-    fn point_rate(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        if self.turns { self.axis.cross(&(point - self.origin)) } else { self.axis }
+    /// How fast a feature that it carries moves.
+    fn rate(&self, feature: &Feature) -> Vector3<f64> {
+        match (feature, self.turns) {
+            (Feature::Point(point), true) => self.axis.cross(&(point - self.origin)),
+            (Feature::Point(_), false) => self.axis,
+            (Feature::Direction(direction), true) => self.axis.cross(direction),
+            (Feature::Direction(_), false) => Vector3::zeros(),
+        }
     }
 }

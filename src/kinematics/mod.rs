@@ -15,7 +15,7 @@ mod rotation;
 pub use chain::{Chain, ChainSide, PoseJacobian, SideJacobian};
 pub(crate) use forward::{DofTransform, carry_through, joint_transforms, limb_motions_into};
 pub use forward::{LimbMotion, limb_frames};
-pub use freedom::{FreeMotions, Freedoms};
+pub use freedom::{Feature, FreeMotions, Freedoms};
 pub use inverse::{InverseKinematics, REACHED, Reach};
 pub use place_chain::{Place, PlaceChain, Workspace};
 pub use quadratic::{Condition, Optimum, QuadraticProgram};

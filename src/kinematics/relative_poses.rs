@@ -1,6 +1,6 @@
 //! Limbs' poses in the frame of another limb, and their Jacobians.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::chain::Chain;
 use super::forward::{DofTransform, carry_through, joint_transforms};
@@ -115,11 +115,11 @@ impl<'a> RelativePoses<'a> {
     /// before it.
     pub fn jacobian(&self, k: usize, posed: &PosedLimbs, jacobian: &mut [f64]) {
         let (width, MovedLimb { limb, columns }) = (self.creature.dof(), &self.limbs[k]);
-        let (turn, origin) = (posed.frames[self.wrt].rotation.transpose(), posed.frames[*limb].origin);
+        let (wrt, origin) = (posed.frames[self.wrt].inverse(), posed.frames[*limb].origin);
         for &(column, sign) in columns {
             let [omega, velocity] = &posed.twists[column];
             let of_origin = velocity + omega.cross(&origin);
-            let turned = |v: &Vector3<f64>| if self.wrt == 0 { *v } else { product(&turn, v) * sign };
+            let turned = |v: &Vector3<f64>| if self.wrt == 0 { *v } else { wrt.direction(v) * sign };
             let (velocity, omega) = (turned(&of_origin), turned(omega));
             for row in 0..3 {
                 jacobian[row * width + column] = velocity[row];
@@ -127,8 +127,4 @@ impl<'a> RelativePoses<'a> {
             }
         }
     }
-}
-
-fn product(rotation: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
-    Frame { rotation: *rotation, origin: Vector3::zeros() }.direction(v)
 }

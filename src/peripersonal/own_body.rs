@@ -20,11 +20,11 @@ const TRUSTED: f64 = 0.008;
 /// A creature's knowledge of its body.
 #[derive(Clone, Debug)]
 pub struct OwnBody {
-    agent: Agent,
+    pub(super) agent: Agent,
     /// Where the joints are and how they turn.
     pub schema: BodySchema,
     /// How sure that is.
-    certainty: Certainty,
+    pub certainty: Certainty,
     /// Postures that it was in without harm: those of its touches.
     pub experienced: Vec<Posture>,
 }
@@ -106,24 +106,9 @@ impl OwnBody {
         self.agent.skin()
     }
 
-    /// How sure the schema is.
-    pub(super) fn certainty(&self) -> &Certainty {
-        &self.certainty
-    }
-
     /// The same body with another schema, taken as it is.
     pub fn with_schema(&self, schema: BodySchema) -> OwnBody {
         OwnBody { schema, certainty: Certainty::Exact, ..self.clone() }
-    }
-
-    /// The same body after it was learned anew: where its joints are, and how sure that is.
-    pub fn changed(&self, schema: BodySchema, certainty: Certainty) -> OwnBody {
-        OwnBody { schema, certainty, ..self.clone() }
-    }
-
-    /// The same body, of which nothing is sure any more.
-    pub fn doubted(&self) -> OwnBody {
-        OwnBody { certainty: Certainty::Unknown, ..self.clone() }
     }
 
     /// What its touches determine of it; `None` if it is taken as it is, or nothing is known of that.
@@ -132,11 +117,6 @@ impl OwnBody {
             Certainty::Estimated(account) => Some(account),
             Certainty::Exact | Certainty::Unknown => None,
         }
-    }
-
-    /// The same body with other skin, on the same limbs.
-    pub(super) fn with_agent(&self, agent: Agent) -> OwnBody {
-        OwnBody { agent, ..self.clone() }
     }
 
     /// `X_RL` of every limb in the root's frame.

@@ -67,16 +67,11 @@ impl Palm {
         Some(Palm { limb, frame })
     }
 
-    /// Where the hand's limb is when the palm is at `X_RP`.
-    pub fn limb_at(&self, palm: &Frame) -> Frame {
-        *palm * self.frame.inverse()
-    }
-
     /// How far the lowest skin of the hand is below the palm's middle when the palm is turned so, metres; `up` in the same
     /// frame.
     pub fn depth_below(&self, own: &OwnBody, turn: &Matrix3<f64>, up: &Vector3<f64>) -> f64 {
         let at_ease = own.frames(&own.at_ease());
-        let hand = self.limb_at(&Frame { origin: Vector3::zeros(), rotation: *turn });
+        let hand = Frame { origin: Vector3::zeros(), rotation: *turn } * self.frame.inverse();
         let carried = own.carried_by(self.limb);
         let surfaces = own.skin().surfaces.iter().filter(|surface| carried[surface.limb]);
         let below = surfaces.filter_map(|surface| {

@@ -20,7 +20,7 @@ use super::collision::{CollisionChecker, Nearness};
 use super::own_body::OwnBody;
 use crate::creature::Posture;
 use crate::geometry::tangent_basis;
-use crate::kinematics::{Condition, FreeMotions, Freedoms, Place, QuadraticProgram};
+use crate::kinematics::{Condition, Feature, FreeMotions, Freedoms, Place, QuadraticProgram};
 
 /// What a radian that a direction is off counts as, metres: an arm's half.
 const DIRECTION_LENGTH: f64 = 0.3;
@@ -222,13 +222,14 @@ impl<'a> PostureProgram<'a> {
         let point = frame.point(&self.place.point);
         let leading = frame.rotation * self.place.direction;
         let levels = self.levels.iter().map(|(direction, level)| {
-            let rates = |rates: &mut [f64]| body.add_point_rates(limb, &point, direction, rates);
+            let rates = |rates: &mut [f64]| body.add_rates(limb, Feature::Point(point), direction, rates);
             self.condition(level - direction.dot(&point), true, rates)
         });
         let tilt = self.tilt(&leading);
         let tilts =
             tilt.iter().flat_map(|tilt| tilt.values.into_iter().zip(&tilt.across)).map(|(value, across)| {
-                let rates = |rates: &mut [f64]| body.add_direction_rates(limb, &leading, across, rates);
+                let rates =
+                    |rates: &mut [f64]| body.add_rates(limb, Feature::Direction(leading), across, rates);
                 self.condition(-value, true, rates)
             });
         levels.chain(tilts).collect()
@@ -237,10 +238,7 @@ impl<'a> PostureProgram<'a> {
     /// That a gap is to be as wide as is asked.
     fn apart(&self, body: &FreeMotions, near: &Nearness) -> Condition {
         self.condition(self.asked(near) - near.gap.distance, false, |rates| {
-            body.add_point_rates(near.limb, &near.gap.points[0], &near.gap.normal, rates);
-            if let Some(other) = near.other {
-                body.add_point_rates(other, &near.gap.points[1], &-near.gap.normal, rates);
-            }
+            body.add_gap_rates([Some(near.limb), near.other], &near.gap.points, &near.gap.normal, rates);
         })
     }
 
@@ -295,7 +293,7 @@ impl<'a> PostureProgram<'a> {
         for ((direction, _), by) in self.levels.iter().zip(&multipliers.equalities) {
             pull += direction * *by;
         }
-        body.add_point_curvature(limb, &point, &pull, &mut curvature);
+        body.add_curvature(limb, Feature::Point(point), &pull, &mut curvature);
         let tilt = self.tilt(&leading);
         let tilts = tilt
             .iter()
@@ -303,23 +301,24 @@ impl<'a> PostureProgram<'a> {
             .zip(&multipliers.equalities[..][self.levels.len().min(multipliers.equalities.len())..]);
         let turn: Vector3<f64> = tilts.map(|(across, by)| across * *by).sum();
         if turn != Vector3::zeros() {
-            body.add_direction_curvature(limb, &leading, &turn, &mut curvature);
+            body.add_curvature(limb, Feature::Direction(leading), &turn, &mut curvature);
         }
         // Where two limbs were held apart, it is now their nearest places that do so.
         for (limbs, by) in &multipliers.gaps {
             let nearest = near.iter().filter(|near| (near.limb, near.other) == *limbs);
             if let Some(near) = nearest.min_by(|a, b| a.gap.distance.total_cmp(&b.gap.distance)) {
                 let along = near.gap.normal * -*by;
-                body.add_point_curvature(near.limb, &near.gap.points[0], &along, &mut curvature);
-                if let Some(other) = near.other {
-                    body.add_point_curvature(other, &near.gap.points[1], &-along, &mut curvature);
+                let [point, other] = near.gap.points.map(Feature::Point);
+                body.add_curvature(near.limb, point, &along, &mut curvature);
+                if let Some(limb) = near.other {
+                    body.add_curvature(limb, other, &-along, &mut curvature);
                 }
             }
         }
         let mut eigen = curvature.symmetric_eigen();
         eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(CURVATURE));
         let mut slope = DVector::zeros(n);
-        body.add_point_rates(limb, &point, &-self.along, slope.as_mut_slice());
+        body.add_rates(limb, Feature::Point(point), &-self.along, slope.as_mut_slice());
         let count = equalities.len();
         let gaps = near.iter().map(|near| self.apart(body, near));
         let program = QuadraticProgram {

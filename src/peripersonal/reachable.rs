@@ -148,7 +148,7 @@ impl OwnBody {
 
     /// Why it is not known where a limb's skin is, in words; `None` if it is, or where the schema is taken as it is.
     pub fn unplaced(&self, limb: usize) -> Option<String> {
-        match self.certainty() {
+        match &self.certainty {
             Certainty::Exact => None,
             Certainty::Estimated(account) => {
                 account.openness(self.creature(), limb).map(|why| why.words(self.creature()))

@@ -44,14 +44,14 @@ impl OwnBody {
             surface: Some(surfaces.len()),
         });
         surfaces.push(surface);
-        let agent = self.agent().with_skin(Skin { receptors, surfaces }).ok()?;
-        Some(self.with_agent(agent))
+        let agent = self.agent.with_skin(Skin { receptors, surfaces }).ok()?;
+        Some(OwnBody { agent, ..self.clone() })
     }
 
     /// How well touches tell where a stick's tip is, one standard deviation, metres; infinite where they do not. What is not
     /// known of the body counts.
     pub fn tip_deviation(&self, tool: &Tool, touches: &[&PreparedTouch]) -> f64 {
-        let body = match self.certainty() {
+        let body = match &self.certainty {
             Certainty::Exact => None,
             Certainty::Estimated(account) => Some(&account.observability),
             Certainty::Unknown => return f64::INFINITY,

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::own_body::OwnBody;
 use crate::creature::Posture;
 use crate::geometry::Frame;
-use crate::kinematics::{Condition, FreeMotions, Freedoms, QuadraticProgram};
+use crate::kinematics::{Condition, Feature, FreeMotions, Freedoms, QuadraticProgram};
 
 /// What a joint's own velocity costs, so that what does nothing does not move: (m/s)² per (rad/s)².
 const IDLE: f64 = 1e-3;
@@ -42,10 +42,10 @@ pub struct PlaceVelocity {
 pub struct Barrier {
     /// The limb.
     pub limb: usize,
-    /// Its point, in the root's frame, metres.
-    pub point: Vector3<f64>,
-    /// The other limb, and its point; `None` if the other moves independently or not at all.
-    pub other: Option<(usize, Vector3<f64>)>,
+    /// The other limb; `None` if the other moves independently or not at all.
+    pub other: Option<usize>,
+    /// The point of either, in the root's frame, metres.
+    pub points: [Vector3<f64>; 2],
     /// The unit direction from the other to the limb.
     pub normal: Vector3<f64>,
     /// The least rate at which the gap is to grow by the body's own motion, metres a second; below 0 it may shrink.
@@ -102,7 +102,7 @@ impl<'a> VelocityProgram<'a> {
     pub fn want(&mut self, wanted: &PlaceVelocity) {
         for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
             let mut rates = DVector::zeros(self.freedoms.count());
-            self.motions.add_point_rates(wanted.limb, &wanted.point, &axis, rates.as_mut_slice());
+            self.motions.add_rates(wanted.limb, Feature::Point(wanted.point), &axis, rates.as_mut_slice());
             self.program.curvature.ger(wanted.weight, &rates, &rates, 1.0);
             self.program.slope.axpy(-wanted.weight * wanted.velocity.dot(&axis), &rates, 1.0);
         }
@@ -119,11 +119,8 @@ impl<'a> VelocityProgram<'a> {
     /// Asks for a gap to be kept.
     pub fn keep(&mut self, barrier: &Barrier) {
         let mut coefficients = DVector::zeros(self.freedoms.count());
-        let rates = coefficients.as_mut_slice();
-        self.motions.add_point_rates(barrier.limb, &barrier.point, &barrier.normal, rates);
-        if let Some((limb, point)) = &barrier.other {
-            self.motions.add_point_rates(*limb, point, &-barrier.normal, rates);
-        }
+        let (limbs, rates) = ([Some(barrier.limb), barrier.other], coefficients.as_mut_slice());
+        self.motions.add_gap_rates(limbs, &barrier.points, &barrier.normal, rates);
         let price = if barrier.yields { GIVEN_UP } else { f64::INFINITY };
         let condition = Condition { coefficients, least: barrier.rate, exactly: false, price };
         self.program.conditions.push(condition);

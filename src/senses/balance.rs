@@ -20,10 +20,6 @@ impl Default for Balance {
 }
 
 impl Sense for Balance {
-    fn step(&mut self, step: &SensedStep) -> Result<()> {
-        self.place(step)
-    }
-
     fn place(&mut self, step: &SensedStep) -> Result<()> {
         if let Some(root) = step.body.limb_pose(step.data, 0) {
             self.up = root.inverse_transform_vector(&Vector3::z());

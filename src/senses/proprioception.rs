@@ -88,10 +88,6 @@ pub struct Proprioception {
 }
 
 impl Sense for Proprioception {
-    fn step(&mut self, step: &SensedStep) -> Result<()> {
-        self.place(step)
-    }
-
     fn place(&mut self, step: &SensedStep) -> Result<()> {
         self.felt = self.read(step.body, step.posture)?;
         Ok(())

@@ -54,13 +54,15 @@ pub struct SensedStep<'a> {
 
 /// A sense: it keeps its latest report.
 pub trait Sense: Any {
-    /// Senses the state after a step.
+    /// Senses the state after a step. Senses of events have this, those of a state have [`Sense::place`] alone.
     ///
     /// # Errors
     /// Where the engine fails.
-    fn step(&mut self, step: &SensedStep) -> Result<()>;
+    fn step(&mut self, step: &SensedStep) -> Result<()> {
+        self.place(step)
+    }
 
-    /// Senses the state of a body that was put into a posture at once, as before the first step. Senses of events report none.
+    /// Senses the state of a body that was put into a posture at once, as before the first step.
     ///
     /// # Errors
     /// Where the engine fails.

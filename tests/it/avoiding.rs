@@ -181,8 +181,8 @@ fn joint_velocities_keep_barriers_and_ranges_and_say_what_they_give_up() {
     assert!((free - Vector3::new(0.3, -0.1, 0.2)).norm() < 0.02 && given_up == 0.0, "{free}");
     let barrier = |normal: Vector3<f64>, rate: f64, yields: bool| Barrier {
         limb: hand,
-        point,
         other: None,
+        points: [point; 2],
         normal,
         rate,
         yields,

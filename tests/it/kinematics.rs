@@ -4,7 +4,7 @@
 use crate::common::{creature, max, take, truth};
 use bodyschema::creature::{Body, Creature, DofKind, JointSelection, Posture, turn_ball};
 use bodyschema::geometry::Frame;
-use bodyschema::kinematics::{Chain, ChainSide, Freedoms, RelativePoses, SideJacobian, limb_frames};
+use bodyschema::kinematics::{Chain, ChainSide, Feature, Freedoms, RelativePoses, SideJacobian, limb_frames};
 use bodyschema::mujoco::{Data, JointKind, ObjectKind};
 use bodyschema::schema::BodySchema;
 use bodyschema::skin::skin_of;
@@ -322,15 +322,15 @@ fn freedoms_move_points_and_directions_as_central_differences_do() {
                 let now = freedoms.at(posture);
                 let (point, direction) = (now.frames[limb].point(&p_l), now.frames[limb].direction(&p_l));
                 let mut rates = [vec![0.0; count], vec![0.0; count]];
-                now.add_point_rates(limb, &point, &along, &mut rates[0]);
-                now.add_direction_rates(limb, &direction, &along, &mut rates[1]);
+                now.add_rates(limb, Feature::Point(point), &along, &mut rates[0]);
+                now.add_rates(limb, Feature::Direction(direction), &along, &mut rates[1]);
                 ([point.dot(&along), direction.dot(&along)], rates)
             };
             let now = freedoms.at(&posture);
             let (point, direction) = (now.frames[limb].point(&p_l), now.frames[limb].direction(&p_l));
             let mut curvatures = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
-            now.add_point_curvature(limb, &point, &along, &mut curvatures[0]);
-            now.add_direction_curvature(limb, &direction, &along, &mut curvatures[1]);
+            now.add_curvature(limb, Feature::Point(point), &along, &mut curvatures[0]);
+            now.add_curvature(limb, Feature::Direction(direction), &along, &mut curvatures[1]);
             let (_, rates) = at(&posture);
             for k in 0..count {
                 let mut step = vec![0.0; count];

@@ -103,8 +103,8 @@ impl Kept {
         let rate = self.normal.dot(&self.velocity) - CLOSING[usize::from(self.comes)] * (gap - MARGIN);
         Barrier {
             limb: self.limb,
-            point,
-            other: self.other.map(|limb| (limb, other_point)),
+            other: self.other,
+            points: [point, other_point],
             normal: self.normal,
             // What stands still is left where it is, however near.
             rate: if self.comes { rate } else { rate.min(0.0) },

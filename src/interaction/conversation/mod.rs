@@ -18,7 +18,7 @@ use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, U
 use self::mind::Mind;
 use self::requests::{Act, Acted, Answer, REQUESTS};
 use super::actor::Actor;
-use super::tasks::{Grip, Search, Trouble, tried};
+use super::tasks::{FeltOn, Grip, Search, Trouble, tried};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::peripersonal::{ReachableMap, distance};
@@ -143,7 +143,7 @@ impl Conversation {
                     return self.moves(&request, leave);
                 }
                 if only_which {
-                    let said = format!("I did not understand which one. {}", self.question());
+                    let said = format!("I did not understand which one. {}", self.mind.question(&self.actor));
                     let intent = request.intent;
                     self.pending = Some(Pending::Which(request, leave));
                     return Ok(self.reply(intent, Answer::asks(said)));
@@ -242,7 +242,7 @@ impl Conversation {
             }
             None if handles && !feels_first => {
                 self.pending = Some(Pending::Which(request.clone(), leave));
-                return Ok(self.reply(intent, Answer::asks(self.question())));
+                return Ok(self.reply(intent, Answer::asks(self.mind.question(&self.actor))));
             }
             it if handles => self.mind.things.mean(it),
             _ => {}
@@ -373,7 +373,7 @@ impl Conversation {
         for known in self.mind.things.iter_mut().filter(|known| known.in_touch.is_some()) {
             known.in_touch = None;
             // Where it cannot, the next motion says so.
-            let _ = self.actor.withdraw(&known.found, &self.ready);
+            let _ = self.actor.withdraw(&FeltOn::once(&known.found), &self.ready);
         }
     }
 }

@@ -94,11 +94,6 @@ impl Conversation {
         Some(format!("I do not know my body well enough for this: {doubt}. I should babble more first"))
     }
 
-    /// Asks which of the things is meant.
-    pub(super) fn question(&self) -> String {
-        self.mind.question(&self.actor)
-    }
-
     /// Where a thing is, in words.
     pub(super) fn place(&self, at: &Vector3<f64>) -> String {
         place_in_words(&self.actor, at)

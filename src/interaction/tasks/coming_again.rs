@@ -2,7 +2,7 @@
 
 use super::Trouble;
 use crate::creature::Posture;
-use crate::interaction::actor::{Actor, SWIFT, Stop};
+use crate::interaction::actor::{Actor, SWIFT};
 use crate::peripersonal::PosturePath;
 use crate::senses::SkinContact;
 
@@ -25,9 +25,12 @@ impl Actor {
         touches: impl Fn(&Actor, &SkinContact) -> bool,
         told: impl Fn(&Actor, &[SkinContact]) -> Option<T>,
     ) -> Result<Option<(T, Posture)>, Trouble> {
-        let mut since = self.steps();
+        let mut since = self.steps;
         let way = PosturePath(vec![target.clone()]);
-        let Stop::Felt(contacts) = self.follow(&way, SWIFT, |_, _| true)? else { return Ok(None) };
+        let contacts = self.follow(&way, SWIFT, |_, _| true)?;
+        if contacts.is_empty() {
+            return Ok(None);
+        }
         let leaving = self.lately(since).take(LEAVING).cloned().collect();
         let mut touch = told(self, &contacts);
         for (steps, speed) in AGAIN {
@@ -43,8 +46,8 @@ impl Actor {
                 touch = None;
                 break;
             }
-            since = self.steps();
-            let contacts = self.follow(&PosturePath(vec![met]), speed, |_, _| true)?.felt();
+            since = self.steps;
+            let contacts = self.follow(&PosturePath(vec![met]), speed, |_, _| true)?;
             touch = told(self, &contacts);
         }
         let posture = self.posture();

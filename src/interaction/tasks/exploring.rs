@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::{MARGIN, Trouble, tried};
 use crate::creature::Posture;
-use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, Stop, TABLE};
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, TABLE};
 use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{PosturePath, ReachTarget, Reaching, straight};
 use crate::senses::Toucher;
@@ -50,8 +50,10 @@ impl Actor {
     fn lower_hand(&mut self, hand: usize) -> Result<(f64, Option<FoundThing>), Trouble> {
         let start = self.posture();
         let way = self.upwards(self.hands[hand].tip, -FARTHEST_DOWN);
-        let stop = self.follow(&PosturePath(way), CAREFUL, |_, _| true)?;
-        let Stop::Felt(contacts) = stop else { return Err(Trouble::Nothing) };
+        let contacts = self.follow(&PosturePath(way), CAREFUL, |_, _| true)?;
+        if contacts.is_empty() {
+            return Err(Trouble::Nothing);
+        }
         if contacts.iter().any(|contact| matches!(contact.by, Toucher::Own(_))) {
             // Its own leg is no table.
             let _ = self.retreat(&start);
@@ -87,8 +89,8 @@ impl Actor {
         let reaching = Reaching::new(own, clearance, arm, 0);
         for lane in 0..12 {
             let forward = edge + 0.08 + LANE * f64::from(lane);
-            let mut found: Vec<Posture> = Vec::new();
-            let mut longest: Vec<Posture> = Vec::new();
+            // Stretches without a gap, of which the longest is swept.
+            let mut stretches: Vec<Vec<Posture>> = vec![Vec::new()];
             for k in 0..44 {
                 // From its own side inwards, and back on the next lane.
                 let share = if lane % 2 == 0 { 43 - k } else { k };
@@ -97,24 +99,18 @@ impl Actor {
                 let reach =
                     reaching.solve(place, &ReachTarget { point, direction: Vector3::zeros() }, &posture);
                 let free = reach.miss <= REACHED && clearance.free(&own.frames(&reach.posture), MARGIN);
-                let near = found
-                    .last()
-                    .is_none_or(|before| straight(own, clearance, before, &reach.posture, 0.5 * MARGIN));
-                if free && near {
+                let last = stretches.last().and_then(|stretch| stretch.last());
+                let near =
+                    last.is_none_or(|last| straight(own, clearance, last, &reach.posture, 0.5 * MARGIN));
+                if !(free && near) {
+                    stretches.push(Vec::new());
+                } else if let Some(stretch) = stretches.last_mut() {
                     posture.clone_from(&reach.posture);
-                    found.push(reach.posture);
-                } else if found.len() > longest.len() {
-                    longest = std::mem::take(&mut found);
-                } else {
-                    found.clear();
+                    stretch.push(reach.posture);
                 }
             }
-            if found.len() > longest.len() {
-                longest = found;
-            }
-            if longest.len() > 3 {
-                lanes.push(PosturePath(longest));
-            }
+            let longest = stretches.into_iter().rev().max_by_key(Vec::len);
+            lanes.extend(longest.filter(|stretch| stretch.len() > 3).map(PosturePath));
         }
         lanes
     }
@@ -132,10 +128,8 @@ impl Actor {
             let Some(first) = lane.0.first().cloned() else { continue };
             let Ok(way) = self.find_path([&from, &first], &arm) else { continue };
             for way in [way, lane] {
-                let stop = self.follow(&way, SWEEPING, |actor, contact| !actor.is_table(contact))?;
-                if let Stop::Felt(contacts) = stop
-                    && let Some(found) = contacts.iter().find_map(|contact| self.found(contact))
-                {
+                let contacts = self.follow(&way, SWEEPING, |actor, contact| !actor.is_table(contact))?;
+                if let Some(found) = contacts.iter().find_map(|contact| self.found(contact)) {
                     return Ok(Some(found));
                 }
             }

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use super::Trouble;
 use crate::creature::Posture;
 use crate::geometry::Frame;
-use crate::interaction::actor::{Actor, FoundThing, SWIFT, Stop};
+use crate::interaction::actor::{Actor, FoundThing, SWIFT};
 use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{FeltPose, FeltSurface, Obstacle, PosturePath};
 use crate::senses::SkinContact;
@@ -94,16 +94,16 @@ impl Actor {
         let first = self.frames()[limb];
         let mut poses: Vec<FeltPose> = BEFORE
             .into_iter()
-            .filter_map(|steps| self.steps_ago(steps))
+            .filter_map(|steps| self.trail.iter().rev().nth(steps))
             .map(|before| FeltPose { limb: self.own.frames(before)[limb], receptor: None })
             .collect();
-        let mut came_by = self.take_trail();
+        let mut came_by = std::mem::take(&mut self.trail);
         let mut rng = self.new_rng();
         let estimate = |actor: &Actor, poses: &[FeltPose], rng: &mut ChaCha8Rng| {
             FeltSurface::of(&actor.own, found.receptor, &first, poses, rng)
         };
         let Some(mut surface) = self.comes_off(found, &first, &came_by, &joints)? else {
-            self.give_trail(came_by);
+            self.trail = came_by;
             return Ok(as_it_was);
         };
         'rounds: for round in ROUNDS {
@@ -131,7 +131,7 @@ impl Actor {
         while came_by.back().is_some_and(|posture| (at(posture) - surface.point).norm() < RETREAT) {
             came_by.pop_back();
         }
-        self.give_trail(came_by);
+        self.trail = came_by;
         let found = FoundThing { point: surface.point, direction: surface.direction, ..found.clone() };
         Ok(FeltOn { found, sharp: surface.deviation <= SHARP })
     }
@@ -272,8 +272,10 @@ impl Actor {
             .step_by(3)
             .map(|posture| FeltPose { limb: self.own.frames(posture)[limb], receptor: None })
             .collect();
-        let touched = self.follow(&PosturePath(way.clone()), FEELING, |_, _| true)?;
-        let Stop::Felt(contacts) = touched else { return Ok(Probed::Empty(swept)) };
+        let contacts = self.follow(&PosturePath(way), FEELING, |_, _| true)?;
+        if contacts.is_empty() {
+            return Ok(Probed::Empty(swept));
+        }
         let by_limb = |contact: &&SkinContact| contact.spot.limb == limb && self.is_thing(contact);
         match contacts.iter().find(by_limb) {
             Some(contact) => {

@@ -16,7 +16,7 @@ use crate::interaction::actor::Actor;
 use crate::kinematics::Chain;
 use crate::learning::{BodyChange, Certainty, Learner, Online, What};
 use crate::peripersonal::CollisionChecker;
-use crate::senses::{SkinContact, SkinSpot, Touch, TouchEnd, Toucher};
+use crate::senses::{SkinContact, Touch, TouchEnd, Toucher};
 
 /// What is felt farther from where the schema has it than this was not to be expected, metres: a hand that is stopped in
 /// the middle of a swift motion is in what it met by a millimetre.
@@ -42,31 +42,27 @@ const TRUNK: f64 = 0.25;
 /// Deviation of a touch's gap, metres: the last way is gone a hundredth of a millimetre a step.
 const DEVIATION: f64 = 2e-5;
 
-/// What he found when he felt himself over.
+/// What exploring the body by self-touch showed.
 #[derive(Clone, Debug, PartialEq)]
-pub enum FeltOver {
-    /// The body is as he knew it, as so many touches bore out.
-    Same {
-        /// The touches.
-        touches: usize,
-    },
-    /// It has changed, and he has learned how.
-    Changed {
-        /// The touches.
-        touches: usize,
-        /// Joints, and how far each is from where he had it on the limb that carries it, metres.
-        joints: Vec<(usize, f64)>,
-    },
-    /// Touches were not as he expected, and he did not find out why: he no longer relies on what he knew.
-    Unexplained {
-        /// The touches.
-        touches: usize,
-    },
-    /// He did not touch himself often enough to tell, not at all where nothing tells how sure he is of what he knew; that stays.
-    TooFew {
-        /// The touches.
-        touches: usize,
-    },
+pub struct FeltOver {
+    /// The self-touches.
+    pub touches: usize,
+    /// What they show of the body.
+    pub body: BodyFound,
+}
+
+/// What self-touches show of a body that may have changed since it was learned.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyFound {
+    /// It is as it was known.
+    Same,
+    /// It has changed: joints, and how far each is from its known position on the limb that carries it, metres. It has been
+    /// learned again.
+    Changed(Vec<(usize, f64)>),
+    /// It is not as it was known, and the reason was not found. What was known is no longer relied on.
+    Unexplained,
+    /// The touches are too few to decide; there is none if the accuracy of what was known is unknown. That stays.
+    Undecided,
 }
 
 /// What a touch told: its number, the joints between its places, and whether it was not predicted.
@@ -123,9 +119,9 @@ impl Actor {
         let learner = self.own.account().and_then(|account| {
             Online::going_on(&agent, self.own.schema.clone(), account, DEVIATION, self.seed)
         });
-        let Some(mut learner) = learner else { return Ok(FeltOver::TooFew { touches: 0 }) };
-        let mut told: Vec<Told> = Vec::new();
         let mut touches = 0;
+        let Some(mut learner) = learner else { return Ok(FeltOver { touches, body: BodyFound::Undecided }) };
+        let mut told: Vec<Told> = Vec::new();
         for motion in 0..MOTIONS {
             let Some(target) = self.where_skin_may_meet(&mut rng) else { continue };
             let Some(touch) = self.own_touch_going_to(&target, motion as u64)? else { continue };
@@ -142,17 +138,17 @@ impl Actor {
                 told.push(Told { number: touches - 1, chain, surprising });
             }
             if told.len() >= LEAST && self.is_foretold(&learner, &told) {
-                return Ok(self.take_over(&mut learner, touches));
+                return Ok(FeltOver { touches, body: self.take_over(&mut learner) });
             }
             if touches >= MOST {
                 break;
             }
         }
         if told.len() < LEAST {
-            return Ok(FeltOver::TooFew { touches });
+            return Ok(FeltOver { touches, body: BodyFound::Undecided });
         }
-        self.own = self.own.doubted();
-        Ok(FeltOver::Unexplained { touches })
+        self.own.certainty = Certainty::Unknown;
+        Ok(FeltOver { touches, body: BodyFound::Unexplained })
     }
 
     /// Whether a learner has predicted the last touches with every joint of the arms, and nearly all since the body was last
@@ -172,10 +168,10 @@ impl Actor {
     }
 
     /// Takes over what a learner has learned that foretells touches.
-    fn take_over(&mut self, learner: &mut Online, touches: usize) -> FeltOver {
+    fn take_over(&mut self, learner: &mut Online) -> BodyFound {
         let changes: Vec<BodyChange> = learner.changes().to_vec();
         if changes.is_empty() {
-            return FeltOver::Same { touches };
+            return BodyFound::Same;
         }
         let moved = |change: &BodyChange| match change.what {
             What::Joint { joint, distance } | What::Corrected { joint, distance } => Some((joint, distance)),
@@ -185,22 +181,20 @@ impl Actor {
         let learned = learner.conclude();
         let account = learned.as_ref().and_then(|learned| learned.account.clone());
         let (Some(joints), Some(learned), Some(account)) = (joints, learned, account) else {
-            self.own = self.own.doubted();
-            return FeltOver::Unexplained { touches };
+            self.own.certainty = Certainty::Unknown;
+            return BodyFound::Unexplained;
         };
-        self.own = self.own.changed(learned.schema, Certainty::Estimated(Box::new(account)));
+        (self.own.schema, self.own.certainty) = (learned.schema, Certainty::Estimated(Box::new(account)));
         self.clearance = CollisionChecker::new(&self.own);
         // It was felt with the body that he had believed in.
         (self.table, self.reach) = (None, None);
         self.made_way_for.clear();
-        FeltOver::Changed { touches, joints }
+        BodyFound::Changed(joints)
     }
 
     /// A random posture over the table in which by the schema skin of the arms is in other skin.
     fn where_skin_may_meet(&mut self, rng: &mut ChaCha8Rng) -> Option<Posture> {
-        let arms = self.arms();
-        let carriers: Vec<usize> =
-            self.hands[0].leaning.iter().copied().filter(|joint| !arms.contains(joint)).collect();
+        let (arms, carriers) = (self.arms(), self.trunk());
         let from = self.posture();
         let base = self.own.at_ease();
         let moving = if rng.random_bool(BY_HAND) {
@@ -225,7 +219,10 @@ impl Actor {
         let touch = self.touch_exactly(
             target,
             |_, contact| contact.by.own().is_some(),
-            |_, contacts| only_own_touch(contacts),
+            |_, contacts| match contacts {
+                [SkinContact { spot, by: Toucher::Own(other), .. }] => Some([*spot, *other]),
+                _ => None,
+            },
         )?;
         Ok(touch.map(|(spots, posture)| Touch {
             bout: 0,
@@ -234,13 +231,5 @@ impl Actor {
             ends: spots.map(|spot| TouchEnd::at(spot.receptor)),
             moment: None,
         }))
-    }
-}
-
-/// The two places of one's own skin that touch, where nothing else does.
-fn only_own_touch(contacts: &[SkinContact]) -> Option<[SkinSpot; 2]> {
-    match contacts {
-        [SkinContact { spot, by: Toucher::Own(other), .. }] => Some([*spot, *other]),
-        _ => None,
     }
 }

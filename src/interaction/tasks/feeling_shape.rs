@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
-use super::Trouble;
+use super::{FeltOn, Trouble};
 use crate::creature::Posture;
 use crate::error::Result;
-use crate::geometry::Capsule;
-use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
+use crate::geometry::{Capsule, directions};
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT};
 use crate::peripersonal::{FeltShape, Obstacle, PlacedSkin, PosturePath, ReachTarget, ShapeEstimate};
 use crate::senses::SkinContact;
 
@@ -84,7 +84,7 @@ impl Actor {
         self.feel_beside(&mut felt, &about, by, found.direction)?;
         let ready = self.ready();
         // Where it cannot go back, the next motion says so.
-        let _ = self.withdraw(found, &ready);
+        let _ = self.withdraw(&FeltOn::once(found), &ready);
         let mut shape = felt.estimate().ok_or(Trouble::Nothing)?;
         let (mut tried, mut touched): (Vec<Vector3<f64>>, usize) = (Vec::new(), 1);
         for _ in 0..TRIES * touches {
@@ -124,7 +124,7 @@ impl Actor {
         stands: bool,
     ) -> Option<Vector3<f64>> {
         let near = TRIED.cos();
-        let sides = crate::geometry::directions(SIDES).filter(|side| {
+        let sides = directions(SIDES).filter(|side| {
             (!stands || side.dot(&self.up) > LOWEST) && tried.iter().all(|other| other.dot(side) < near)
         });
         sides.max_by(|a, b| shape.doubt(a).total_cmp(&shape.doubt(b)))
@@ -156,12 +156,12 @@ impl Actor {
                 actor.reaching(arm).approach(&from, &tips, &aim)
             });
             let Ok(plan) = plan else { continue };
-            let mut contacts = self.follow(&plan.way, SWIFT, |_, _| true)?.felt();
+            let mut contacts = self.follow(&plan.way, SWIFT, |_, _| true)?;
             // Met on the way there it lies where that skin faces.
             let met = contacts.iter().find_map(|contact| self.found(contact));
             let into = met.map_or(aim.direction, |found| found.direction);
             if contacts.is_empty() {
-                contacts = self.follow(&plan.straight, CAREFUL, |_, _| true)?.felt();
+                contacts = self.follow(&plan.straight, CAREFUL, |_, _| true)?;
             }
             let touching = self.of_the_thing(&contacts);
             let by = touching.iter().next().copied().unwrap_or(plan.receptor);
@@ -231,7 +231,7 @@ impl Actor {
             if way.len() < 3 {
                 continue;
             }
-            let contacts = self.follow(&PosturePath(way), FEELING, |_, _| true)?.felt();
+            let contacts = self.follow(&PosturePath(way), FEELING, |_, _| true)?;
             let touching = self.of_the_thing(&contacts);
             if contacts.is_empty() || !touching.is_empty() {
                 self.take_in(felt, about, &touching, by, DRAWN_BACK);
@@ -241,7 +241,7 @@ impl Actor {
             if !self.draws_off(way)? {
                 return Ok(());
             }
-            if self.follow(&PosturePath(vec![back.clone()]), SWIFT, |_, _| true)? != Stop::Arrived {
+            if !self.follow(&PosturePath(vec![back.clone()]), SWIFT, |_, _| true)?.is_empty() {
                 return Ok(());
             }
         }
@@ -251,11 +251,10 @@ impl Actor {
     /// Draws back, a little at first; whether it touches the thing no more. Where it does it would drag it along, and stays.
     fn draws_off(&mut self, way: [Posture; 2]) -> Result<bool> {
         for posture in way {
-            let stop = self.follow(&PosturePath(vec![posture.clone()]), SWIFT, |_, _| true)?;
-            let touched = match stop {
-                Stop::Felt(contacts) => contacts,
-                Stop::Arrived => self.step(&posture)?,
-            };
+            let mut touched = self.follow(&PosturePath(vec![posture.clone()]), SWIFT, |_, _| true)?;
+            if touched.is_empty() {
+                touched = self.step(&posture)?;
+            }
             if !self.of_the_thing(&touched).is_empty() {
                 return Ok(false);
             }

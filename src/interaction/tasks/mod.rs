@@ -17,7 +17,7 @@ mod wielding;
 use nalgebra::Vector3;
 
 pub use feeling::FeltOn;
-pub use feeling_over::FeltOver;
+pub use feeling_over::{BodyFound, FeltOver};
 pub use feeling_shape::ShapeFeeling;
 pub use lifting::Grip;
 pub use putting::Spot;
@@ -25,7 +25,7 @@ pub use searching::{Feeling, Search, SearchPlan};
 pub use touching::Touching;
 pub use two_palms::PalmPlan;
 
-use super::actor::{Actor, Hand, SWIFT, Stop};
+use super::actor::{Actor, Hand, SWIFT};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
@@ -217,13 +217,12 @@ impl Actor {
 
     /// Follows a way on which nothing is expected.
     pub(super) fn pass(&mut self, way: &PosturePath, speed: f64) -> Result<(), Trouble> {
-        match self.follow(way, speed, |_, _| true)? {
-            Stop::Arrived => Ok(()),
-            Stop::Felt(contacts) => {
-                self.unintended += 1;
-                Err(Trouble::Hit(contacts))
-            }
+        let met = self.follow(way, speed, |_, _| true)?;
+        if met.is_empty() {
+            return Ok(());
         }
+        self.unintended += 1;
+        Err(Trouble::Hit(met))
     }
 
     /// Goes back straight to a posture that it has just come from.

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::Trouble;
 use super::carrying::{CarryingPlan, upright_at};
 use crate::creature::Posture;
-use crate::interaction::actor::{Actor, Hand};
+use crate::interaction::actor::Actor;
 use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{PosedPlace, PosturePath, PostureProgram, farthest_postures};
 
@@ -117,7 +117,7 @@ impl Actor {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut starts = vec![from.clone()];
         if lean {
-            let bent = self.bent_forward(hand, &place, &from);
+            let bent = self.bent_forward(&place, &from);
             for share in [0.3, 0.6, 1.0] {
                 starts.push(Posture::between(own.creature(), &from, &bent, share));
             }
@@ -144,27 +144,9 @@ impl Actor {
             .parallel_to(self.up)
     }
 
-    /// A posture bent as far to the front as the trunk that carries a hand goes, joint by joint from the hips, for a place
-    /// of the hand.
-    fn bent_forward(&self, hand: usize, place: &Place, from: &[f64]) -> Posture {
-        let own = &self.own;
-        let Hand { arm, leaning, .. } = &self.hands[hand];
-        let mut bent = Posture::from(from);
-        for &joint in leaning.iter().filter(|joint| !arm.contains(joint)) {
-            let joint = &own.creature().joints()[joint];
-            for at in joint.elements().filter(|at| !at.is_ball()) {
-                let q = at.coordinate();
-                let forward = |value: f64| {
-                    let mut posture = bent.clone();
-                    posture[q] = value;
-                    own.frames(&posture)[place.limb].point(&place.point).dot(&self.front)
-                };
-                let farthest = at.range.into_iter().max_by(|a, b| forward(*a).total_cmp(&forward(*b)));
-                bent[q] = farthest.unwrap_or(bent[q]);
-            }
-        }
-        own.creature().couple(&mut bent);
-        bent
+    /// A posture with the trunk bent to where a place is farthest in front.
+    fn bent_forward(&self, place: &Place, from: &[f64]) -> Posture {
+        self.bent(from, |frames| frames[place.limb].point(&place.point).dot(&self.front))
     }
 
     /// Takes the arm of the hand that does not hold to where it stays clear of the table and the body however far the trunk
@@ -186,7 +168,7 @@ impl Actor {
         self.made_way_for = farthest.into_iter().map(|posed| posed.posture).collect();
         let bent = match self.made_way_for.first() {
             Some(farthest) => farthest.clone(),
-            None => self.bent_forward(hand, &place, &from),
+            None => self.bent_forward(&place, &from),
         };
         let mut rng = self.new_rng();
         let clearance = self.clearance.moved_by(&self.own, &idle);

@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::{BACK, FeltOn, MARGIN, Trouble};
 use crate::creature::Posture;
 use crate::geometry::Capsule;
-use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT, Stop};
+use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT};
 use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{
     Obstacle, OutOfReach, OwnBody, PosturePath, ReachTarget, Reaching, distance, straight as straight_to,
@@ -43,32 +43,14 @@ pub struct Touching {
     pub felt: FeltOn,
 }
 
-/// Where a thing was met, to be given room.
-#[derive(Clone, Copy, Debug)]
-struct Room {
-    aim: ReachTarget,
-    /// Whether all of it lies beyond the plane through that place.
-    sharp: bool,
-}
-
-impl Room {
-    fn of(found: &FoundThing) -> Room {
-        Room { aim: found.aim(), sharp: false }
-    }
-
-    /// What it may fill: a dome on the plane, or a ball that the place is on.
-    fn obstacle(&self, radius: f64) -> Obstacle {
-        let ReachTarget { point, direction } = self.aim;
+impl FeltOn {
+    /// The room that the thing may fill: a dome on the plane through the place, or a ball that the place is on.
+    fn room(&self, radius: f64) -> Obstacle {
+        let FoundThing { point, direction, .. } = self.found;
         match self.sharp {
             true => Obstacle::Dome { centre: point, into: direction, radius },
             false => Obstacle::Capsule(Capsule::ball(point + direction * radius, radius)),
         }
-    }
-}
-
-impl FeltOn {
-    fn room(&self) -> Room {
-        Room { aim: self.found.aim(), sharp: self.sharp }
     }
 }
 
@@ -119,12 +101,12 @@ impl Actor {
     ) -> Result<Touching, Trouble> {
         let felt = if self.feels_on { self.feel_on(found)? } else { FeltOn::once(found) };
         let ready = self.ready();
-        match self.withdraw_felt(&felt, &ready) {
+        match self.withdraw(&felt, &ready) {
             // It touches something where it is: it stays there, a little back, and the other hand finds its way.
             Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
             went => went?,
         }
-        self.touch_felt(felt, hand, lean, corrections)
+        self.touch_again(felt, hand, lean, corrections)
     }
 
     /// The same where what felt the thing is away from it already.
@@ -132,16 +114,6 @@ impl Actor {
     /// # Errors
     /// [`Trouble`].
     pub fn touch_again(
-        &mut self,
-        found: &FoundThing,
-        hand: usize,
-        lean: bool,
-        corrections: usize,
-    ) -> Result<Touching, Trouble> {
-        self.touch_felt(FeltOn::once(found), hand, lean, corrections)
-    }
-
-    fn touch_felt(
         &mut self,
         felt: FeltOn,
         hand: usize,
@@ -155,13 +127,15 @@ impl Actor {
         let aims = self.aims(&felt);
         let mut goes: VecDeque<(bool, ReachTarget)> =
             helps.into_iter().flat_map(|lean| aims.iter().map(move |aim| (lean, *aim))).collect();
-        let mut met = Vec::new();
+        let mut met: Vec<FoundThing> = Vec::new();
         while let Some((lean, aim)) = goes.pop_front() {
             let joints = self.hands[hand].joints(lean).to_vec();
             let from = self.posture();
             // A sharp place is the thing's, from wherever it is aimed at.
-            let place = if felt.sharp { felt.room() } else { Room { aim, sharp: false } };
-            let places: Vec<Room> = met.iter().copied().chain([place]).collect();
+            let mut places: Vec<FeltOn> = met.iter().map(FeltOn::once).chain([felt.clone()]).collect();
+            if let Some(FeltOn { found, sharp: false }) = places.last_mut() {
+                (found.point, found.direction) = (aim.point, aim.direction);
+            }
             let planned = self.making_room(&places, |actor| {
                 let mut reaching = actor.reaching(joints.clone());
                 if felt.sharp {
@@ -186,7 +160,8 @@ impl Actor {
                 }
                 Err(trouble) => return Err(trouble),
             };
-            let touched = self.try_touch([&plan.way, &plan.straight], hand);
+            let touched = self.approach(&plan).map_err(Trouble::from);
+            let touched = touched.and_then(|contacts| self.thing_touched(contacts, hand));
             let elsewhere = |at: &FoundThing| (at.point - felt.found.point).norm() > ELSEWHERE;
             if let Ok(Some(found)) = &touched
                 && !elsewhere(found)
@@ -201,7 +176,7 @@ impl Actor {
             match touched {
                 // Another thing on the way: back, and about it.
                 Ok(Some(other)) => {
-                    met.push(Room::of(&other));
+                    met.push(other.clone());
                     goes.push_front((lean, aim));
                     if let Some(way) = self.back_by(other.receptor, BACK) {
                         self.follow(&way, SWIFT, |_, _| false)?;
@@ -218,7 +193,7 @@ impl Actor {
                 }
                 Err(Trouble::Hit(contacts)) => {
                     // Back the way that it came, and another way, about what it met.
-                    met.extend(self.rooms(&contacts));
+                    met.extend(contacts.iter().filter_map(|contact| self.found(contact)));
                     goes.push_front((lean, aim));
                     self.back_off(&contacts, BACK)?;
                     trouble = Trouble::Hit(contacts);
@@ -229,15 +204,10 @@ impl Actor {
         Err(trouble)
     }
 
-    /// The room that is left for what was met.
-    fn rooms(&self, contacts: &[SkinContact]) -> Vec<Room> {
-        contacts.iter().filter_map(|contact| Some(Room::of(&self.found(contact)?))).collect()
-    }
-
     /// Does something with room left for a thing that was met at some places: as much as leaves a way.
     fn making_room<T>(
         &mut self,
-        met: &[Room],
+        met: &[FeltOn],
         mut act: impl FnMut(&mut Actor) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
         if met.is_empty() {
@@ -245,7 +215,7 @@ impl Actor {
         }
         let mut outcome = Err(OutOfReach::Barred.into());
         for radius in ROOMS {
-            outcome = self.with_obstacles(met.iter().map(|room| room.obstacle(radius)), &mut act);
+            outcome = self.with_obstacles(met.iter().map(|felt| felt.room(radius)), &mut act);
             if !matches!(outcome, Err(Trouble::Reach(OutOfReach::Barred))) {
                 break;
             }
@@ -253,32 +223,25 @@ impl Actor {
         outcome
     }
 
-    /// Goes along a way and then straight on; what the hand feels there, or `None` if it feels nothing.
+    /// The thing that a hand touches, of what stopped its motion; `None` if nothing did.
     ///
     /// # Errors
-    /// [`Trouble::Hit`] where something else is felt before.
-    fn try_touch(
+    /// [`Trouble::Hit`] if something else stopped it.
+    fn thing_touched(
         &mut self,
-        [way, straight]: [&PosturePath; 2],
+        contacts: Vec<SkinContact>,
         hand: usize,
     ) -> Result<Option<FoundThing>, Trouble> {
-        let receptors = self.hands[hand].receptors.clone();
-        let stop = match self.follow(way, SWIFT, |_, _| true)? {
-            Stop::Arrived => self.follow(straight, CAREFUL, |_, _| true)?,
-            // Met sooner than thought: a thing may be larger than the room it was given.
-            felt => felt,
-        };
-        let Stop::Felt(contacts) = stop else { return Ok(None) };
+        let receptors = &self.hands[hand].receptors;
         let by_hand = contacts
             .iter()
             .find(|contact| receptors.contains(&contact.spot.receptor) && self.is_thing(contact));
-        match by_hand.and_then(|contact| self.found(contact)) {
-            Some(found) => Ok(Some(found)),
-            None => {
-                self.unintended += 1;
-                Err(Trouble::Hit(contacts))
-            }
+        let found = by_hand.and_then(|contact| self.found(contact));
+        if found.is_none() && !contacts.is_empty() {
+            self.unintended += 1;
+            return Err(Trouble::Hit(contacts));
         }
+        Ok(found)
     }
 
     /// Feels about where something was expected, in circles across the way that the hand came.
@@ -307,22 +270,12 @@ impl Actor {
                 }
             }
         }
-        if way.is_empty() {
-            return Ok(None);
-        }
-        self.try_touch([&PosturePath(Vec::new()), &PosturePath(way)], hand)
+        let contacts = self.follow(&PosturePath(way), CAREFUL, |_, _| true)?;
+        self.thing_touched(contacts, hand)
     }
 
     /// Takes the arm that felt something back to where it was ready, away from the thing.
-    pub(in crate::interaction) fn withdraw(
-        &mut self,
-        found: &FoundThing,
-        ready: &[f64],
-    ) -> Result<(), Trouble> {
-        self.withdraw_felt(&FeltOn::once(found), ready)
-    }
-
-    fn withdraw_felt(&mut self, felt: &FeltOn, ready: &[f64]) -> Result<(), Trouble> {
+    pub(in crate::interaction) fn withdraw(&mut self, felt: &FeltOn, ready: &[f64]) -> Result<(), Trouble> {
         let found = &felt.found;
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(()) };
         let arm = self.hands[hand].arm.clone();
@@ -341,7 +294,7 @@ impl Actor {
         };
         // Only this arm moves: the other is where it is wanted.
         let target = Posture::with_joints(self.own.creature(), &back, arm.iter().copied(), ready);
-        self.go_past(&target, &arm, vec![felt.room()])
+        self.go_past(&target, &arm, vec![felt.clone()])
     }
 
     /// Goes to a posture, moving both arms and what carries them, past what it meets on the way.
@@ -354,7 +307,7 @@ impl Actor {
     }
 
     /// Goes to a posture by some joints with room left for what was met, and for what it meets on the way.
-    fn go_past(&mut self, target: &[f64], joints: &[usize], mut met: Vec<Room>) -> Result<(), Trouble> {
+    fn go_past(&mut self, target: &[f64], joints: &[usize], mut met: Vec<FeltOn>) -> Result<(), Trouble> {
         for _ in 0..WITHDRAWALS {
             let from = self.posture();
             let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, target, joints)) else {
@@ -362,7 +315,7 @@ impl Actor {
             };
             let Trouble::Hit(contacts) = trouble else { return Err(trouble) };
             // It is larger than thought: back, and about what it met as well.
-            met.extend(self.rooms(&contacts));
+            met.extend(contacts.iter().filter_map(|contact| Some(FeltOn::once(&self.found(contact)?))));
             self.back_off(&contacts, BACK)?;
         }
         Err(OutOfReach::Barred.into())
@@ -411,7 +364,7 @@ impl Actor {
         others.sort_by(|a, b| far(a).total_cmp(&far(b)));
         ways.extend(others);
         let straight = ways[0].clone();
-        let found = self.making_room(&[felt.room()], |actor| {
+        let found = self.making_room(std::slice::from_ref(felt), |actor| {
             let clearance = actor.clearance.moved_by(&actor.own, arm);
             let clearance = clearance.eased_at(&[actor.own.frames(&from)], MARGIN);
             let clear = |way: &Vec<Posture>| {

@@ -179,10 +179,7 @@ impl Actor {
 
     /// A posture with the trunk turned about the upright and bent to the front, radians, as far as its joints go.
     fn bent_trunk(&self, base: &[f64], turn: f64, lean: f64) -> Posture {
-        let [one, other] = &self.hands;
-        let on_trunk = |joint: &usize| !one.arm.contains(joint) && !other.arm.contains(joint);
-        let trunk: Vec<usize> = one.leaning.iter().copied().filter(on_trunk).collect();
-        let freedoms = Freedoms::new(self.own.creature(), &self.own.schema, &trunk);
+        let freedoms = Freedoms::new(self.own.creature(), &self.own.schema, &self.trunk());
         let motions = freedoms.at(base);
         let mut change = vec![0.0; freedoms.count()];
         for (about, angle) in [(self.up, turn), (self.left(), lean)] {

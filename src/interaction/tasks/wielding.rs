@@ -99,7 +99,9 @@ impl Actor {
             // Elsewhere, whatever the stick meets.
             let target = target.or_else(|| self.draw_clear(DRAWS, &mut rng, |_, _| true));
             let Some(target) = target else { continue };
-            let Some(touch) = self.touch_self_going_to(&target)? else { continue };
+            let touch = self.touch_exactly(&target, Actor::is_of_stick, Actor::touches_by_stick)?;
+            let told = touch.and_then(|(receptor, posture)| self.prepared(receptor, &posture));
+            let Some(touch) = told else { continue };
             let (skin, schema) = (self.own.skin(), &self.own.schema);
             foretold.push(belief.as_ref().map_or((f64::INFINITY, false), |tool: &Tool| {
                 let gap = tool.gap(skin, schema, &touch).map_or(f64::INFINITY, f64::abs);
@@ -235,12 +237,6 @@ impl Actor {
             }
         }
         false
-    }
-
-    /// Goes straight to a posture until the stick touches his own skin; what that told.
-    fn touch_self_going_to(&mut self, target: &Posture) -> Result<Option<PreparedTouch>, Trouble> {
-        let touch = self.touch_exactly(target, Actor::is_of_stick, Actor::touches_by_stick)?;
-        Ok(touch.and_then(|(receptor, posture)| self.prepared(receptor, &posture)))
     }
 
     /// The touch of a receptor by the stick, in a posture, for who learns from it.

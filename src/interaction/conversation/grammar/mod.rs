@@ -20,7 +20,7 @@ use std::ops::Deref;
 pub use leave::Leave;
 pub use moods::Mood;
 pub use names::{BodyNames, PartName};
-pub(in crate::interaction) use names::{name_words, patch_name};
+pub(in crate::interaction) use names::{EVERYDAY, name_words, patch_name};
 pub use pieces::{HandName, Which};
 pub use places::{Aside, End};
 

@@ -7,18 +7,62 @@ const WHICH: &[&str] = &[
     "left", "right", "other", "upper", "lower", "front", "middle", "hind", "rear", "own", "both", "back",
     "fore", "top", "bottom",
 ];
-/// Everyday nouns of a body, and those that two or three words make.
-const NOUNS: &str = "nose chin forehead brow head face mouth lip lips cheek cheeks ear ears eye eyes temple temples crown scalp jaw \
-    neck throat nape belly tummy stomach navel abdomen waist chest breast heart rib ribs sternum spine back hip hips pelvis \
-    bottom bum buttocks lap shoulder shoulders armpit collarbone clavicle elbow elbows wrist wrists forearm forearms \
-    hand hands arm arms palm palms fist thumb thumbs finger fingers fingertip fingertips knuckle knuckles index \
-    leg legs thigh thighs knee knees shin shins calf calves shank ankle ankles foot feet heel heels toe toes sole soles \
-    torso trunk breastbone backside hair limb limbs \
-    eyebrow eyebrows earlobe earlobes nostril nostrils pinky bellybutton gut butt groin eyelid eyelids tongue teeth";
-/// The same of more than one word.
-const COMPOUNDS: &str = "index finger,middle finger,tummy button,shoulder blades,ring finger,little finger,big toe,upper arm,lower arm,upper arms,lower back,\
-    upper back,upper leg,lower leg,upper body,shoulder blade,belly button,back of hand,back of head,back of neck,top of head,\
-    sole of foot,side of head,palm of hand,tip of nose";
+/// Everyday names, with a star where there is one on either side, and how skin of the name is found: the farthest of some regions to
+/// the front, to its own side (or to the left), and up; about a joint by its name, or where two regions meet, in such a direction;
+/// the `tip` of a region, farthest from where that is carried; or `all` of some.
+pub(in crate::interaction) const EVERYDAY: &[&str] = &[
+    "nose,tip of nose: head 1 0 0",
+    "mouth,lip,lips: head 1 0 -0.4",
+    "chin,jaw: head 1 0 -1",
+    "forehead,brow: head 1 0 0.8",
+    "face: head 1 0 0",
+    "back of head: head -1 0 0",
+    "top of head,crown,scalp,hair: head 0 0 1",
+    "cheek,cheeks*: head 1 0.9 -0.2",
+    "eye,eyes*: head 1 0.5 0.35",
+    "temple,temples*: head 0.5 1 0.3",
+    "ear,ears,side of head*: head 0 1 0",
+    "throat: neck 1 0 0",
+    "nape,back of neck: neck -1 0 0",
+    "belly,tummy,stomach,navel,belly button,waist: abdomen 1 0 0",
+    "breastbone,sternum,breast,torso,trunk: chest 1 0 0",
+    "heart: chest 1 0.3 0",
+    "rib,ribs*: chest 0.2 1 -0.3",
+    "collarbone,clavicle*: chest 1 0.6 1",
+    "shoulder blade*: chest -1 0.6 0.5",
+    "back,upper back,spine: chest -1 0 0",
+    "lower back: abdomen -1 0 0",
+    "hip,hips*: pelvis 0 1 0",
+    "bottom,bum,buttocks,backside: pelvis -1 0 -0.3",
+    "armpit*: shoulder of upper_arm chest 0 -0.3 -1",
+    "shoulder,shoulders*: shoulder of upper_arm chest 0 1 0.6",
+    "elbow,elbows*: elbow of upper_arm forearm -1 0.3 0",
+    "wrist,wrists*: wrist of forearm hand 0 1 0",
+    "lower arm*: all forearm",
+    "arm,arms*: all upper_arm forearm hand",
+    "upper arm,upper arms*: all upper_arm",
+    "palm,palms,palm of hand*: hand 0 -1 0",
+    "back of hand*: hand 0 1 0",
+    "hand,hands,fist*: all hand",
+    "knuckle,knuckles*: hand 0 1 -0.3",
+    "thumb,thumbs*: hand 1 0 0",
+    "finger,fingers,fingertip,fingertips,index,index finger,middle finger,ring finger,little finger*: tip hand",
+    "lap*: thigh 1 0 0.6",
+    "upper leg,thighs*: all thigh",
+    "leg,legs*: all thigh shank foot",
+    "knee,knees*: knee of thigh shank 1 0 0",
+    "shin,shins,lower leg*: shank 1 0 0",
+    "calf,calves*: shank -1 0 0",
+    "ankle,ankles*: ankle of shank foot 0 1 0",
+    "foot,feet*: all foot",
+    "heel,heels*: foot -1 0 -0.5",
+    "toe,toes,big toe*: foot 1 0 0",
+    "sole,soles,sole of foot*: foot 0 0 -1",
+];
+
+/// Everyday nouns of a body that [`EVERYDAY`] does not locate: what it measures from, or what no creature has skin of.
+const OTHERS: &str = "head,neck,abdomen,chest,pelvis,forearm,forearms,thigh,shank,limb,limbs,shoulder blades,upper body,tummy button,\
+    eyebrow,eyebrows,earlobe,earlobes,nostril,nostrils,pinky,bellybutton,gut,butt,groin,eyelid,eyelids,tongue,teeth";
 /// Nouns that mean something else as often: they are a part only after one of [`OWNERS`], or of a side where they are [`PAIRED`].
 const DOUBTFUL: &[&str] = &[
     "back", "face", "head", "crown", "bottom", "index", "lap", "sole", "heart", "temple", "trunk", "calf",
@@ -69,10 +113,11 @@ pub struct BodyNames {
 impl BodyNames {
     /// Everyday names alone.
     pub fn everyday() -> BodyNames {
-        let nouns = NOUNS.split_whitespace().map(|noun| vec![noun.to_string()]);
-        let compounds = COMPOUNDS.split(',').map(|name| name.split(' ').map(String::from).collect());
+        let located = EVERYDAY.iter().filter_map(|row| row.split_once(": "));
+        let nouns = located.flat_map(|(nouns, _)| nouns.trim_end_matches('*').split(','));
+        let names = nouns.chain(OTHERS.split(',')).map(|name| name.split(' ').map(String::from).collect());
         let adjectives = WHICH.iter().map(|word| word.to_string()).collect();
-        let mut names: Vec<Vec<String>> = nouns.chain(compounds).collect();
+        let mut names: Vec<Vec<String>> = names.collect();
         names.sort_by_key(|name| std::cmp::Reverse(name.len()));
         BodyNames { names, adjectives }
     }

@@ -18,25 +18,22 @@ pub(super) const EXPLORE: RequestKind = RequestKind::of_body(
         let hand = creature.hand_for(request.hand);
         if request.all { Ok(creature.counted(hand)?) } else { creature.explore(hand, true) }
     }),
-    "told: SEARCH|FEEL|EXAMINE|LOOK|grope ?out|through|over|across|along|ON|ALL|AROUND|of ?ALL ?of \
-     ?over|across|ON|around|at ?your|this|what ?ALL TABLE|SPACE|top|front; \
-     SEARCH|FEEL|LOOK|cast|move|wave|grope|GRAB ?HAND|your ?hands ?out ?ALL AROUND|about|round; \
-     SEARCH|LOOK|FEEL|EXAMINE|fish ?out|AROUND|over|with ?with ?HAND ?on for SOME|THING|MORE; \
-     see|EXAMINE|FIND|FEEL|look|LOOK ?out if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME; REACH ?out ?HAND \
-     ?over|out|AROUND ?for|ON|and ?FIND|TOUCH SOME; TOUCH|GRAB|get SOME; ^ SEARCH; GO|RUN|FEEL ?HAND AROUND|over \
-     TABLE; LOOK|SEARCH ?AROUND AGAIN|MORE|further; FIND|SEARCH ?me THING|SOME|MORE; give TABLE|SPACE|the .. \
-     SEARCH|FEEL; have|take|give a ?GOOD ?quick FEEL|LOOK|SEARCH|feel ?AROUND|for; keep|go ?on \
-     =looking|=searching|=exploring|=feeling; FEEL ?about|AROUND $; SEARCH|LOOK|FEEL & THING|SOME; \
-     make|do|perform|have|take ?ANY SEARCH|sweep|scan|exploration|survey ?of; asked: be TABLE empty|bare|clear; \
-     what you HELPING FIND|see; what stand|lie|be|=standing|=lying ON|in TABLE|front; be there ?any \
-     ?MORE|else|other SOME|THING|more|MORE; be SOME \
-     there|here|ON|in|around|near|AROUND|NEAR|before|out|within|left|nearby|lying|standing; ^ any|more \
-     SOME|MORE|others|there; ^ SOME ?in|on|there|AROUND|ON|before|near; HELPING there be SOME; HELPING you \
-     FIND|SEARCH|FEEL|detect|locate|see|LOOK SOME ?ON|AROUND|in|else|there|around|near; do|be SOME \
-     ?lie|stand|sit|=lying|=standing|=sitting ON|in|AROUND|there; what else; SOME MORE; ?if|whether there|SOME be \
-     SOME; whether|if .. SOME & there|ON|TABLE|front; SOME within|in ?easy ?your RANGE; what ?THING|SOME ?HELPING \
-     be ?out there|here|ON; what ?THING|SOME HELPING you FIND|see|LOOK|SEARCH; be THING|SOME there; sign|trace of \
-     SOME; come across SOME; FEEL SOME out there; what have|do we|you|i ?have|get ?there|here ON|in|before|around",
+    "told: SEARCH|FEEL|EXAMINE|LOOK ?out|ON|ALL|AROUND|of ?ALL ?of ?ON|around ?your|this|what ?ALL \
+     TABLE|SPACE|top|front; SEARCH|FEEL|LOOK|cast|move|wave|GRAB ?HAND|your ?hands ?out ?ALL AROUND; \
+     SEARCH|LOOK|FEEL|EXAMINE ?out|AROUND|with ?with ?HAND ?on for SOME|THING|MORE; EXAMINE|FIND|FEEL|LOOK ?out \
+     if|whether|what|for ?THING|SOME|there|you|i ?be ?SOME; REACH ?out ?HAND ?out|AROUND ?for|ON|and ?FIND|TOUCH \
+     SOME; TOUCH|GRAB|get SOME; ^ SEARCH; GO|RUN|FEEL ?HAND AROUND TABLE; LOOK|SEARCH ?AROUND AGAIN|MORE; \
+     FIND|SEARCH ?me THING|SOME|MORE; give TABLE|SPACE|the .. SEARCH|FEEL; have|take|give a ?GOOD ?quick \
+     FEEL|LOOK|SEARCH ?AROUND|for; keep|go ?on =looking|=searching|=exploring|=feeling; FEEL ?AROUND $; \
+     SEARCH|LOOK|FEEL & THING|SOME; make|do|perform|have|take ?ANY SEARCH|exploration ?of; asked: be TABLE \
+     empty|bare|clear; what you HELPING FIND|see; what stand|lie|be|=standing|=lying ON TABLE|front; be there ?any \
+     ?MORE|else|other SOME|THING|MORE; be SOME there|ON|AROUND|NEAR|before|out|within|left|lying|standing; ^ \
+     any|more SOME|MORE|others|there; ^ SOME ?there|AROUND|ON|before|near; HELPING there be SOME; HELPING you \
+     FIND|SEARCH|FEEL|LOOK SOME ?ON|AROUND|else|there|near; do|be SOME ?lie|stand|sit|=lying|=standing|=sitting \
+     ON|AROUND|there; what else; SOME MORE; ?if|whether there|SOME be SOME; whether|if .. SOME & \
+     there|ON|TABLE|front; SOME within|in ?easy ?your RANGE; what ?THING|SOME ?HELPING be ?out there|here|ON; what \
+     ?THING|SOME HELPING you FIND|LOOK|SEARCH; be THING|SOME there; sign|trace of SOME; come across SOME; FEEL \
+     SOME out there; what have|do we|you|i ?have|get ?there|here ON|before|around",
 );
 
 pub(super) const HOW_MANY: RequestKind = RequestKind::new(
@@ -49,7 +46,7 @@ pub(super) const HOW_MANY: RequestKind = RequestKind::new(
         Answer::tells(format!("I have felt {}{not_searched}", creature.things_in_words()))
     }),
     "asked: how many & !UNIT|cms; number|total|tally of THING|SOME; what .. number|count|total|tally; just|only \
-     one|THING|SOME; MORE than one|two|three|THING|SOME; be there ?only|just two|three|four|five|several; ^ \
+     one|THING|SOME; MORE than one|two|three|THING|SOME; be there ?only two|three|four|five|several; ^ \
      count|tally; SOME|THING or NUMBER|MORE; keep count|tally; number|total $; how much SOME; past: how many; \
      number of THING|SOME; NUMBER or; MORE than one|two",
 );

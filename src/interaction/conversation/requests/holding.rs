@@ -14,25 +14,25 @@ const CORRECTIONS: usize = 3;
 pub(super) const LIFT: RequestKind = RequestKind::of_body(
     ["pick it up", "picked it up"],
     Act::Handles(Conversation::lift),
-    "told: LIFT|GRAB|get ?UP THING|SOME; LIFT ?UP ?BIT $; get|take|catch|have|keep|lay|GRAB ?GOOD ?firm|tight \
-     hold|grip|GRAB ?ON|of|OF THING|SOME; PUT|PUSH|take|get|bring|PULL|hold THING|SOME ?BIT up|UP|off|upward & !to; \
-     THING ?UP off|from the TABLE; PUT|PUSH|take|get|GRAB THING ?UP off|from ?that TABLE; into|in|to|the|mid air; \
-     give THING lift; get|have|take hold|grip; LIFT HAND; carry|hold THING; THING in the air; THING off|from TABLE; \
-     hold on to THING; up|UP|off ?TABLE|ground with THING",
+    "told: LIFT|GRAB|get ?UP THING|SOME; LIFT ?UP ?BIT $; get|have|keep|lay|GRAB ?GOOD ?firm|tight GRAB ?ON|of|OF \
+     THING|SOME; PUT|PUSH|take|get|PULL|hold THING|SOME ?BIT UP|off & !to; THING ?UP off|from the TABLE; \
+     PUT|PUSH|get|GRAB THING ?UP off|from ?that TABLE; into|in|to|the|mid air; give THING lift; get|have|take \
+     hold|grip; LIFT HAND; carry|hold THING; THING in the air; THING off|from TABLE; hold on to THING; UP|off \
+     ?TABLE|ground with THING",
 );
 
 pub(super) const LET_GO: RequestKind = RequestKind::new(
     ["let go", "let go"],
     Act::Moves(|creature, _, _| creature.release()),
-    "told: LET ?THING|SOME go|loose|fall|drop|off|slip|DROP; DROP THING|SOME; ^ DROP $; leave go; leave THING \
-     there; leave THING ON TABLE; PUT|lower|lay DOWN|BACK THING|SOME; PUT|lower|lay|sit THING|SOME ?BACK ?down ON \
-     ?top ?of THING|SOME|TABLE; open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your \
-     grip|GRAB|grasp|hold|fist|fingers ?own ?grip|hold; PUT DOWN $; let THING be|stay|stand; ^ DOWN with THING; \
-     return THING to THING|the ?TABLE|place; PUT|give|return THING BACK ?where|in|there|ON|again; HAND HELPING GO \
-     off; ON|back TABLE with THING; open ?up ?your HAND; THING BACK ON TABLE; take|get|PULL|remove|move|withdraw \
-     ?away|off|back HAND ?away|off|back from|off ?of THING; lower THING|SOME; PUT .. THING|SOME .. down; \
-     have|want|need|like THING BACK|DOWN; denied: STOP|cease =holding|=gripping|=grasping|=grabbing|=carrying; \
-     not|longer hold|keep THING ?any; not .. hold|GRAB .. longer|more|anymore",
+    "told: LET ?THING|SOME go|fall|off|slip|DROP; DROP THING|SOME; ^ DROP $; leave go; leave THING there; leave \
+     THING ON TABLE; PUT|lower DOWN|BACK THING|SOME; PUT|lower|sit THING|SOME ?BACK ?down ON ?top ?of \
+     THING|SOME|TABLE; open|loosen|relax|unclench|ease|lose|release|give|let ?up ?go ?of ?your GRAB|fist|fingers \
+     ?grip|hold; PUT DOWN $; let THING be|stay|stand; ^ DOWN with THING; return THING to THING|the ?TABLE|place; \
+     PUT|give|return THING BACK ?where|there|ON|again; HAND HELPING GO off; ON|back TABLE with THING; open ?up \
+     ?your HAND; THING BACK ON TABLE; take|get|PULL|remove|move|withdraw ?away|off|back HAND ?away|off|back \
+     from|off ?of THING; lower THING|SOME; PUT .. THING|SOME .. down; have|want|need|like THING BACK|DOWN; denied: \
+     STOP =holding|=gripping|=grasping|=grabbing|=carrying; not|longer hold|keep THING ?any; not .. GRAB .. \
+     longer|more|anymore",
 );
 
 impl Conversation {

@@ -12,8 +12,8 @@ pub(super) const LEAN_FORWARD: RequestKind = RequestKind::of_body(
     "told: LEAN ?your ?PART|yourself|HAND|over|body ?BIT ?way|at|from ?waist|hips ?far ?MORE FORWARD; AGAIN & LEAN \
      FORWARD; ^ ?BIT ?MORE|FAR FORWARD $; come|get|move|bring|push|REACH ?yourself|PART|FAR ?BIT ?MORE FORWARD & \
      !THING|SOME; come|get|go closer|nearer to|over TABLE & !THING; move|bring|get BODY|yourself NEAR|over ON|the \
-     TABLE; PUT|shift|move|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD; LEAN; \
-     MORE FORWARD; PULL|PUSH yourself FORWARD",
+     TABLE; PUT|bring|PUSH|GO|tip .. weight|BODY|chest|torso|trunk|shoulders ?BIT ?MORE FORWARD; LEAN; MORE \
+     FORWARD; PULL|PUSH yourself FORWARD",
 );
 
 pub(super) const LEAN_BACK: RequestKind = RequestKind::of_body(
@@ -25,10 +25,10 @@ pub(super) const LEAN_BACK: RequestKind = RequestKind::of_body(
     "said: ^ BACK ?BIT $; told: LEAN ?PART|yourself|THING ?BIT BACK; LEAN .. other way; up you get; STRAIGHTEN \
      up|yourself|BODY|out|BACK|UPRIGHT; sit|stand|get|come|go|lift|raise|straighten ?yourself|PART BACK ?UP; \
      sit|stand ?BACK UP|BACK|properly; raise|lift|straighten yourself|BODY & !HAND; un bend; UP straight; no LEAN; \
-     UPRIGHT ?again|BACK; PULL|raise|lift|bring|get yourself|BODY UPRIGHT|UP|BACK & !HAND; GO|come|get|be|BACK \
-     ?BACK ?to|into|at|in ?sitting UPRIGHT|vertical ?POSE; LEAN right|MORE|all BACK; come|get|BACK ?BACK UP; \
-     STRAIGHTEN; away from TABLE & LEAN; sit|stand|get UPRIGHT; undo .. lean|LEAN; denied: STOP|quit|cease \
-     =leaning|=bending; not LEAN any|longer|anymore",
+     UPRIGHT ?again|BACK; PULL|raise|lift|get yourself|BODY UPRIGHT|UP|BACK & !HAND; GO|be|BACK ?BACK \
+     ?to|into|at|in ?sitting UPRIGHT ?POSE; LEAN right|MORE|all BACK; come|get|BACK ?BACK UP; STRAIGHTEN; away \
+     from TABLE & LEAN; sit|stand|get UPRIGHT; undo .. LEAN; denied: STOP|quit =leaning|=bending; not LEAN \
+     any|longer|anymore",
 );
 
 pub(super) const REST: RequestKind = RequestKind::new(
@@ -37,15 +37,15 @@ pub(super) const REST: RequestKind = RequestKind::new(
         creature.actor.let_go();
         creature.back("at rest again", "back to rest")
     }),
-    "told: ^ assume|adopt|resume|take|take .. START ?old POSE; have|take|get ?yourself|your ?GOOD|BIT|short|well \
-     ?earned|deserved rest|break|breather; at ease; GO|return|sit ?BACK home; \
-     lower|drop|relax|withdraw|retract|hang|rest|DROP ?both BODY; PUT|lower|take|bring|let|LET|lay|rest|PULL|DROP \
-     ?both HAND ?BACK DOWN|BACK|rest|hang|fall|away|in|at|by|home|drop; HAND ?sink|fall|drop|GO DOWN|BACK $; HAND \
-     ?BACK ?DOWN to|at|by|in ?your side|sides|lap|START|rest; settle down|BACK; reset yourself|your|BODY; \
-     BACK|GO|return|PUT .. where|how ?you|THING|they ?PAST start|begin|=was|=were|came|=started|=began|PAST; RELAX; \
-     a|short|good|BIT rest|break|breather; take THING easy; ^ return $; GO limp|slack; GO BACK to|rest|START; stand \
-     down|easy|easily; hang loose; GO|return|fold|move|come BACK|to|in|into ?to|in|into ?your START ?POSE; START \
-     ?POSE ?please $; BACK ?to|at|in ?your START ?POSE; take|get|PULL|remove HAND off|from TABLE; ^ reset $",
+    "told: ^ assume|adopt|resume|take|take .. START ?old POSE; have|take|get ?yourself|your ?GOOD|BIT|short \
+     ?earned|deserved rest|break|breather; at ease; GO|sit ?BACK home; lower|relax|withdraw|retract|hang|rest|DROP \
+     BODY; PUT|lower|take|LET|PULL|DROP HAND ?BACK DOWN|BACK|rest|hang|fall|away|in|at|by|home|drop; HAND \
+     ?sink|fall|drop|GO DOWN|BACK $; HAND ?BACK ?DOWN to|at|by|in ?your side|sides|lap|START; settle down|BACK; \
+     reset yourself|your|BODY; BACK|GO|PUT .. where|how ?you|THING|they ?PAST \
+     start|begin|=was|=were|came|=started|=began|PAST; RELAX; a|short|good|BIT rest|break|breather; take THING \
+     easy; ^ return $; GO limp|slack; GO BACK to|START; stand down|easy|easily; hang loose; GO|fold \
+     BACK|to|in|into ?to|in|into ?your START ?POSE; START ?POSE ?please $; BACK ?to|at|in ?your START ?POSE; \
+     take|get|PULL|remove HAND off|from TABLE; ^ reset $",
 );
 
 pub(super) const REPEAT: RequestKind = RequestKind::new(
@@ -55,12 +55,11 @@ pub(super) const REPEAT: RequestKind = RequestKind::new(
         None => Ok(Answer::failed("I have not done anything yet that I could do again")),
     }),
     "told: ^ ?and ?try AGAIN; ^ ?and AGAIN but; ^ encore; once|one|twice|another ?last MORE ?again|time; \
-     DO|TRY|attempt|have ?THING|so|that|SOME ?same ?thing ?ALL|over ?yet ?once ?over AGAIN|over|anew|afresh; \
-     have|take|give ?THING ?another ?second|third|further|MORE go|try|TRY|attempt|shot|crack|stab|bash|whirl|GO; go \
-     AGAIN|over; DO THING ?one|once MORE|again; DO ?that same ?again|thing; same again|thing|procedure; \
-     go|start|TRY over again; keep =trying|going; second|third time; AGAIN $ & !HELLO; MORE time; \
-     perform|play|show|see ?THING|that AGAIN; go through THING AGAIN; REPEAT; another|one ?MORE go|try|attempt; \
-     another|one ?MORE round|turn; ^ take two",
+     DO|TRY|have ?THING|so|that|SOME ?same ?thing ?ALL|over ?yet ?once ?over AGAIN|over; have|take|give ?THING \
+     ?another ?second|third|MORE TRY|shot|crack|stab|bash|whirl|GO; go AGAIN|over; DO THING ?one|once MORE|again; \
+     DO ?that same ?again|thing; same again|thing|procedure; go|start|TRY over again; keep =trying|going; \
+     second|third time; AGAIN $ & !HELLO; MORE time; perform|play|show|see ?THING|that AGAIN; go through THING \
+     AGAIN; REPEAT; another|one ?MORE go|try|attempt; another|one ?MORE round|turn; ^ take two",
 );
 
 impl Conversation {

@@ -15,9 +15,9 @@ pub(super) const HOW_FAR: RequestKind = RequestKind::new(
     Act::Tells(|creature, request| {
         creature.asked_about(request).map_or_else(|a| a, |it| creature.how_far(it))
     }),
-    "asked: how many cms; how FAR do you have ?to; GAP & !close|BODY; distance|range ?to|of|from|between ?THING|it; \
-     UNIT ?off|away|from|or; how many|much UNIT|FAR|MORE|space|room; how long|SIZED|FAR a|be way; how long a|be \
-     ?THING ?way to|from|distance|stretch|gap|reach; how FAR|close|NEAR; what .. RANGE; a long way ?off|away|to; \
+    "asked: how many cms; how FAR do you have ?to; GAP & !close|BODY; distance|range ?to|of|from|between \
+     ?THING|it; UNIT ?off|away|from|or; how many|much UNIT|FAR|MORE|space|room; how SIZED|FAR a|be way; how long \
+     a|be ?THING ?way to|from|distance|stretch|gap|reach; how FAR|NEAR; what .. RANGE; a long way ?off|away|to; \
      long way off|away",
 );
 
@@ -27,8 +27,8 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::of_body(
         creature.asked_about(request).map_or_else(|a| a, |it| creature.near_or_far(it, request))
     }),
     "asked: FAR or|versus|and|not ?NEAR; or ?some ?long way off|away; within|in|inside|out|outside|beyond|at ?of \
-     ?easy|your|HAND|arm ?arm|easy|own RANGE & !put; REACHABLE; be THING|SOME|there ?still|ALL|that|BIT ?that \
-     NEAR|FAR & !from|how|where; have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|strain|step; \
+     ?easy|your|HAND|arm ?arm|easy RANGE & !put; REACHABLE; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR \
+     & !from|how|where; have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|step; \
      able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching; \
      ^ can|could|will|would|may|might you|i|BODY|HAND ?be ?able ?to ?ever ?maybe !feel REACH|TOUCH|GRAB|get|make \
      THING|SOME|to|that|at|there; able; BODY long|enough; BODY be ?long enough|long; REACH THING|SOME|that|there; \
@@ -40,35 +40,33 @@ pub(super) const WHERE_OWN: RequestKind = RequestKind::of_body(
     ["tell where it is", "told where it is"],
     Act::Tells(Conversation::where_own),
     "told: show ?me BODY; asked: WHEREABOUTS .. BODY; be BODY ?still \
-     bent|raised|resting|hanging|pointing|ON|up|down|out|over|under|below|behind|beside|left|right|by|at|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended; \
-     how|what ?high|low|FAR|SIZED|bent ?out|up|off|down do|be|DO|have BODY; which|what \
-     WHEREABOUTS|side|way|height|level .. BODY; TELL|know|find BODY $; BODY .. ?is WHEREABOUTS",
+     bent|raised|resting|hanging|pointing|ON|up|down|out|under|below|behind|beside|left|right|by|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended; \
+     how|what ?low|FAR|SIZED|bent ?out|up|off|down be|DO|have BODY; which|what WHEREABOUTS|side|way|height|level \
+     .. BODY; TELL|know|find BODY $; BODY .. ?is WHEREABOUTS",
 );
 
 pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
     ["tell where I feel it", "told where I feel it"],
     Act::Tells(|creature, _| Answer::tells(creature.where_felt())),
-    "asked: where|whereabouts .. THING|SOME|FEEL|TOUCH|contact|they|FIND|i|we; WHEREABOUTS of|OF|be THING|SOME|you; \
-     WHEREABOUTS; which|what WHEREABOUTS|side|part|limb|way|direction|receptor|finger; be THING ?MORE \
-     ?now|STILL|somewhere|UPRIGHT ?to|ON|at|in ?your|my left|right|ahead|front|behind|side|above|below|middle; \
-     which|what ?of ?your HAND|BODY|part|limb|hand|arm; which|what part|area|patch|piece|bit|spot|place of|on \
-     you|your|BODY; where HELPING|be you|i|THING|BODY FEEL|TOUCH|press|sense; which|what \
-     HAND|BODY|limb|part|place|spot|side|finger HELPING|be you|i|THING FEEL|TOUCH|sense|press; which|what \
-     place|spot|part ?of BODY|body; where ON you|your|BODY HELPING|be; where .. ON ?your BODY|skin|body|you; \
-     behind|front|left|right .. or; past: where & you|THING|SOME|BODY|HAND",
+    "asked: where|whereabouts .. THING|SOME|FEEL|TOUCH|they|FIND|i|we; WHEREABOUTS of|OF|be THING|SOME|you; \
+     WHEREABOUTS; which|what WHEREABOUTS|side|part|limb|way|receptor|finger; be THING ?MORE \
+     ?STILL|somewhere|UPRIGHT ?ON ?your|my left|right|ahead|front|behind|side|above|below|middle; which|what ?of \
+     ?your HAND|BODY|part|limb|hand|arm; which|what part|area|patch|piece|bit|spot|place of|on you|your|BODY; \
+     where HELPING you|i|THING|BODY FEEL|TOUCH; which|what HAND|BODY|limb|part|place|spot|side|finger HELPING \
+     you|i|THING FEEL|TOUCH; which|what place|spot|part ?of BODY|body; where ON you|your|BODY HELPING; where .. ON \
+     ?your BODY|skin|body|you; behind|front|left|right .. or; past: where & you|THING|SOME|BODY|HAND",
 );
 
 pub(super) const WHAT_FELT: RequestKind = RequestKind::new(
     ["tell what I feel", "told what I feel"],
     Act::Tells(|creature, _| creature.what_felt()),
-    "asked: can|could you FEEL ?SOME|THING|ANY; what HELPING|be you|BODY|HAND FEEL|sense|TOUCH|notice; ^ still FEEL \
-     THING|SOME; what|do|be|HELPING|how|tell|if|whether|any .. FEEL|sense|perceive|notice|detect|contact; \
-     what|be|do|how .. =touching|=touches|=feeling; any|which|what|your|the|in ?any CONTACT; SOME|THING|who|i|what \
-     TOUCH|press|hold|PUSH|CONTACT|brush|=pressing|lean ?ON|against|into|at BODY|you|your; be|do \
-     SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any TOUCH|contact|CONTACT|press|against|hold|FEEL; what be \
-     in|ON|at|under|against HAND|BODY; you FEEL|sense|TOUCH|hold; FEEL SOME; SOME ?else \
-     under|at|against|in|beneath|ON HAND|BODY; do|be you|BODY|HAND ?still hold|TOUCH|carry|FEEL|GRAB ?SOME|THING; \
-     have|do|be you|BODY ?have|get hold|grip of; receptors|receptor; get|have SOME ?in|ON BODY",
+    "asked: can|could you FEEL ?SOME|THING|ANY; what HELPING you|BODY|HAND FEEL|TOUCH; ^ still FEEL THING|SOME; \
+     what|HELPING|how|tell|if|whether|any .. FEEL|detect|contact; what|be|do|how .. =touching|=touches|=feeling; \
+     any|which|what|your|the|in ?any CONTACT; SOME|THING|who|i|what TOUCH|hold|PUSH|CONTACT|=pressing|lean \
+     ?ON|into BODY|you|your; be|do SOME|THING|you|BODY|HAND|there ?still|in|any ?in|any \
+     TOUCH|CONTACT|against|hold|FEEL; what be ON|under HAND|BODY; you FEEL|TOUCH|hold; FEEL SOME; SOME ?else \
+     under|beneath|ON HAND|BODY; do|be you|BODY|HAND ?still TOUCH|carry|FEEL|GRAB ?SOME|THING; have|do|be you|BODY \
+     ?have|get hold|grip of; receptors|receptor; get|have SOME ?ON BODY",
 );
 
 /// Names as they are listed: "a, b and c".
@@ -85,7 +83,7 @@ impl Conversation {
         match self.mind.find(&self.actor, request.which).or(self.mind.things.it()) {
             Some(known) => Ok(known),
             None if self.mind.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
-            None => Err(Answer::asks(self.question())),
+            None => Err(Answer::asks(self.mind.question(&self.actor))),
         }
     }
 

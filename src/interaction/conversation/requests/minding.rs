@@ -21,13 +21,13 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind::new(
         mind.still = true;
         Answer::done("I will keep still until you ask me to do something")
     }),
-    "told: ^ KEEP|LOOK ?BODY|yourself|THING ?all ?as STILL; ^ KEEP ?right where|there|as|like ?you|THING; STOP|KEEP \
-     ?right where|there; ^ freeze; ^ stay|still $; ^ stay|remain|keep|hold ?in your|that|this|the|same \
+    "told: ^ KEEP|LOOK ?BODY|yourself|THING ?all ?as STILL; ^ KEEP ?right where|there|as|like ?you|THING; \
+     STOP|KEEP ?right where|there; ^ freeze; ^ stay|still $; ^ stay|remain|keep|hold ?in your|that|this|the|same \
      ?same|present|current POSE; play|be|like|as dead|statue|rock|stone; rest motionless|still; KEEP BODY|yourself \
-     ?right where|as they|THING|you be; stay|remain BODY; ^ hold ?THING ?right there|still; ^ =hold =it $; stand by; denied: not a|one|another \
-     move|muscle|inch|step|MORE; not|never ?you ?even ?ever ?dare ?to STIR !THING; without =moving; no \
-     =moving|movement|movements|motion|motions; nothing move $; do nothing $; no|quit|stop|STOP \
-     =fidgeting|=moving|=wriggling|=squirming|fidget|STIR",
+     ?right where|as they|THING|you be; stay|remain BODY; ^ hold ?THING ?right there|still; ^ =hold =it $; stand \
+     by; denied: not a|one|another move|muscle|inch|step|MORE; not|never ?you ?ever ?dare ?to STIR !THING; without \
+     =moving; no =moving|movement|movements|motion|motions; nothing move $; do nothing $; no|quit|STOP \
+     =fidgeting|=moving|=wriggling|=squirming|STIR",
 );
 
 pub(super) const STOP: RequestKind = RequestKind::new(
@@ -36,10 +36,9 @@ pub(super) const STOP: RequestKind = RequestKind::new(
         mind.still = true;
         Answer::done("I have stopped and will stay as I am")
     }),
-    "said: enough; ^ STOP|whoa|woah|wait|pause|abort|cancel|halt; never mind; ^ hang on; ^ give up $; ^ END \
-     THING|that $; told: THING|that|ok will DO; ^ STOP|quit ?DOING ?what|whatever|THING|everything|ALL $; ^ \
-     wait|hold ?on|up|it ?there ?moment|minute|second|there $; ^ STOP; chuck|pack THING in; denied: cut THING out; \
-     ^ leave off",
+    "said: enough; ^ STOP|whoa|woah|wait; never mind; ^ hang on; ^ give up $; ^ END THING|that $; told: \
+     THING|that|ok will DO; ^ STOP|quit ?DOING ?what|whatever|THING|ALL $; ^ wait|hold ?on|up|it ?there \
+     ?moment|minute|second|there $; ^ STOP; chuck|pack THING in; denied: cut THING out; ^ leave off",
 );
 
 pub(super) const FORGET: RequestKind = RequestKind::new(
@@ -57,9 +56,9 @@ pub(super) const FORGET: RequestKind = RequestKind::new(
         None => Answer::asks(mind.question(actor)),
     }),
     "told: FORGET; CLEAR ?out your|THING|the|ALL ?whole|entire MEMORY; PUT|CLEAR|get|lose|PUSH|take \
-     THING|SOME|ALL|what ?ALL out|from ?of ?from ?your MEMORY; ^ wipe|clear THING|everything|ALL & !HAND|TABLE; \
-     CLEAR what|whatever|ALL ?that ?THING ?you KNOW|FEEL|felt|FIND; start ALL|AGAIN|afresh|over; from scratch; \
-     clean slate; denied: not|longer remember",
+     THING|SOME|ALL|what ?ALL out|from ?of ?from ?your MEMORY; ^ wipe|clear THING|ALL & !HAND|TABLE; CLEAR \
+     what|whatever|ALL ?that ?THING ?you KNOW|FEEL|felt|FIND; start ALL|AGAIN|over; from scratch; clean slate; \
+     denied: not|longer remember",
 );
 
 pub(super) const QUIT: RequestKind = RequestKind::new(
@@ -72,8 +71,8 @@ pub(super) const QUIT: RequestKind = RequestKind::new(
      long $; BYE $; ^ see you; ^ THING be ALL; ^ that|THING will be ALL; ^ good night; ^ ?i|we ?think ?i|we be \
      ALL|through|=leaving|off|=done|=finished; ^ i|we HELPING|=got|better ?to|=got ?to|better \
      =go|=leave|=run|quit|stop; until next|tomorrow|then|later; SPEAK to you later|soon|tomorrow; ^ later $; take \
-     care; have a|an ?GOOD day|evening|night|one; keep in touch; end of ?our|this TALK; ^ that|THING be it ?for \
-     ?now; catch you later; told: ^ END|STOP|call THING day|here|now; ^ STOP|END here; ^ quit|exit|end|finish $; ^ \
-     END|leave|finish|end ?this|our|THING TALK; ^ turn|switch yourself off; ^ switch|shut|power|log|sign \
-     ?THING|yourself off|down|out $; ^ ?have ?to go $; denied: STOP|cease =talking|=listening",
+     care; have a|an ?GOOD day|evening|night|one; keep in touch; end of ?our|this TALK; ^ that|THING be it ?for; \
+     catch you later; told: ^ END|STOP|call THING day|here|now; ^ STOP|END here; ^ quit|exit|end|finish $; ^ END \
+     ?this|our|THING TALK; ^ turn|switch yourself off; ^ switch|shut|power|log|sign ?THING|yourself off|down|out \
+     $; ^ ?have ?to go $; denied: STOP =talking|=listening",
 );

@@ -6,7 +6,7 @@ use super::{Act, Acted, Answer, Intent, Reply, RequestKind};
 use crate::interaction::avoiding::Avoiding;
 use crate::interaction::body_part;
 use crate::interaction::conversation::grammar::{Leave, Request};
-use crate::interaction::tasks::{FeltOver, Trouble, tried};
+use crate::interaction::tasks::{BodyFound, FeltOver, Trouble, tried};
 use crate::named::in_words;
 use crate::peripersonal::distance;
 
@@ -22,29 +22,26 @@ const MOVED: f64 = 0.02;
 pub(super) const TOUCH_OWN: RequestKind = RequestKind::of_body(
     ["touch myself there", "touched myself"],
     Act::Moves(Conversation::touch_part),
-    "told: TOUCH|TEND|FEEL BODY; \
-     PUT|get|keep|have|bring|press|point|raise|lift|REACH|hold|let|LET|take|PULL|PUSH|guide ?one ?both \
-     HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight \
-     ON|OF|upon|over|around|touch|by|behind|near ?contact|top|touch ?with|of BODY; \
-     get|take|catch|have|lay|keep|GRAB hold of BODY; ^ PART with|by ?your HAND $; HAND ?should|must|be|GO ?be|go \
-     ON|over BODY; BODY .. HAND ON THING|PART; PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give THING|PART; with|by HAND \
-     .. BODY; REACH ?UP|DOWN|out|over|BACK|behind|AROUND ?to|for|and|at|ON ?TOUCH|TEND ?behind BODY; give BODY \
-     ?GOOD ?BIT TOUCH|TEND|rub; GRAB|hold onto|ON BODY; PUT|PULL|get|move BODY .. ON|near BODY; ^ PART $; \
-     RUN|wipe|walk ?your HAND|finger .. PART; TOUCH|TEND|GRAB|cup|hold .. PART",
+    "told: TOUCH|TEND|FEEL BODY; PUT|get|keep|have|press|point|raise|lift|REACH|hold|LET|take|PULL|PUSH|guide ?one \
+     HAND|finger|hand|palm ?UP|down|over|back|rest|go|out|TOUCH ?straight ON|OF|around|touch|by|behind|near \
+     ?contact|top|touch ?with|of BODY; get|have|lay|keep|GRAB hold of BODY; ^ PART with|by ?your HAND $; HAND \
+     ?should|must|be|GO ?be|go ON BODY; BODY .. HAND ON THING|PART; PART .. TOUCH|TEND|GRAB|REACH|FEEL|PUT|give \
+     THING|PART; with|by HAND .. BODY; REACH ?UP|DOWN|out|BACK|behind|AROUND ?for|and|ON ?TOUCH|TEND ?behind BODY; \
+     give BODY ?GOOD ?BIT TOUCH|TEND; GRAB ON BODY; PUT|PULL|get BODY .. ON|near BODY; ^ PART $; RUN|wipe ?your \
+     HAND|finger .. PART; TOUCH|TEND|GRAB|cup .. PART",
 );
 
 pub(super) const FEEL_OVER: RequestKind = RequestKind::new(
     ["explore my body", "explored my body"],
     Act::Moves(|creature, _, _| creature.feel_over()),
-    "told: FEEL|TOUCH|pat ?your ?whole|entire yourself|body ?ALL ?over|everywhere|AGAIN|AROUND; FEEL|TOUCH|pat \
-     yourself|BODY ALL|over|everywhere|anew|AROUND; FEEL|TOUCH|pat ALL over ?your yourself|body|BODY; CALIBRATE; \
-     FIND|work out ?how|what|whether ?your body; EXAMINE|FIND|see|test|check .. whether|if|how .. body|limbs|BODY \
-     .. changed|=changed|=same|as|still; body|limbs .. changed; EXAMINE|FEEL|pat|check|test|SEARCH|learn|KNOW .. \
-     body|yourself|limbs & !stick; give yourself|body .. once|check|feel|exam|examination; update|refresh .. \
-     body|yourself; GO|RUN ?HAND over|along ?your yourself|body|limbs; FEEL|TOUCH ALL ?over ?of yourself|body; self \
-     check|test|exam|calibration|CALIBRATE; EXAMINE|check|test ?your PART; ^ body SEARCH|EXAMINE; do .. body \
-     EXAMINE; asked: be ?your body ?still same|changed|different|=changed; past: have BODY|your ?body \
-     changed|=changed",
+    "told: FEEL|TOUCH ?your ?whole|entire yourself|body ?ALL ?AGAIN|AROUND; FEEL|TOUCH yourself|BODY \
+     ALL|anew|AROUND; FEEL|TOUCH ALL over ?your yourself|body|BODY; CALIBRATE; FIND|work out ?how|what|whether \
+     ?your body; EXAMINE|FIND|see .. whether|if|how .. body|limbs|BODY .. changed|=changed|=same|as|still; \
+     body|limbs .. changed; EXAMINE|FEEL|pat|SEARCH|KNOW .. body|yourself|limbs & !stick; give yourself|body .. \
+     once|check|feel|exam|examination; update|refresh .. body|yourself; GO|RUN ?HAND over|along ?your \
+     yourself|body|limbs; FEEL|TOUCH ALL ?over ?of yourself|body; self check|test|exam|calibration|CALIBRATE; \
+     EXAMINE ?your PART; ^ body SEARCH|EXAMINE; do .. body EXAMINE; asked: be ?your body ?still \
+     same|changed|different|=changed; past: have BODY|your ?body changed|=changed",
 );
 
 pub(super) const AVOID: RequestKind = RequestKind::of_body(
@@ -52,15 +49,15 @@ pub(super) const AVOID: RequestKind = RequestKind::of_body(
     Act::Moves(|creature, _, _| creature.watch_out()),
     "said: THING|SOME ?be =coming|=approaching|=flying|=moving; told: AVOID; out of ?its|his|my|harm|THING way; \
      GO|keep|stay|steer|PULL|hold|stand ?yourself|BODY ?well clear; GO|jump|stand|shift ?yourself|BODY ?out|over \
-     aside|SIDEWAYS; watch|look|mind out; make way|room; GO|keep|stay|back|jump|draw|PULL ?yourself|BODY|PART \
-     ?BACK|well away|off|FAR ?from ?THING|SOME|what & !HAND; keep|KEEP|maintain ?your|some ?safe distance; PROTECT \
+     aside|SIDEWAYS; watch|look|mind out; make way|room; GO|keep|stay|back|jump|PULL ?yourself|BODY|PART \
+     ?BACK|well FAR ?from ?THING|SOME|what & !HAND; KEEP|maintain ?your|some ?safe distance; PROTECT \
      yourself|BODY; get out ?of there|here $; ^ move $; ^ GO|jump BACK $; let THING|SOME pass; incoming; beware; \
-     move so .. miss|past; get|be missed; GO|keep|stay|step|get ?yourself ?well ?right out|clear of; THING|SOME \
+     move so .. miss|past; get|be missed; GO|keep|stay ?yourself ?well ?right out|clear of; THING|SOME \
      =comes|=approaches|=flies; GO|stay|keep ?yourself out of ?its range|reach|way|path; ^ danger; denied: \
-     not|nothing|never LET|let THING|SOME ?at|ever hit|TOUCH|reach|bump|get|TEND|catch; not get|be \
-     hit|=touched|=struck|caught|bumped & !THING; not to get|be hit|=touched & !THING; GO .. THING|SOME HELPING|do \
-     not hit|TOUCH|get|reach|catch|meet; nothing|nobody TOUCH|hit|reach|get you|PART|BODY; avoid|dodge \
-     ?=being|=getting =hit|hit|it|THING",
+     not|nothing|never LET THING|SOME ?at|ever TOUCH|reach|bump|get|TEND|catch; not get|be \
+     hit|=touched|=struck|caught|bumped & !THING; not to get|be hit|=touched & !THING; GO .. THING|SOME HELPING \
+     not hit|TOUCH|get|reach|catch; nothing|nobody TOUCH|hit|reach|get you|PART|BODY; avoid|dodge ?=being|=getting \
+     =hit|hit|it|THING",
 );
 
 impl Conversation {
@@ -84,7 +81,7 @@ impl Conversation {
                 }
                 for &receptor in part.receptors.iter().take(TRIES) {
                     let touched = match request.stick {
-                        true => self.actor.touch_own_with_stick(receptor),
+                        true => self.actor.with_stick(|actor, hand| actor.touch_own(receptor, Some(hand))),
                         false => self.actor.touch_own(receptor, by),
                     };
                     let this = match touched {
@@ -127,21 +124,20 @@ impl Conversation {
         self.let_be();
         self.settle();
         let found = self.actor.feel_over();
-        let found = found.map_err(|trouble| self.hindered("I could not explore my whole body", trouble))?;
+        let FeltOver { touches, body } =
+            found.map_err(|trouble| self.hindered("I could not explore my whole body", trouble))?;
         // What he touched himself with was meant.
         self.actor.take_unexpected();
-        if matches!(found, FeltOver::Changed { .. }) {
+        if matches!(body, BodyFound::Changed(_)) {
             self.mind.things.forget_all();
             self.search = None;
             self.reachable.take();
             self.ready = self.actor.ready();
         }
         self.settle();
-        Ok(match found {
-            FeltOver::Same { touches } => {
-                Answer::done(format!("{touches} self-touches: my body is as I know it"))
-            }
-            FeltOver::Changed { touches, joints } => {
+        Ok(match body {
+            BodyFound::Same => Answer::done(format!("{touches} self-touches: my body is as I know it")),
+            BodyFound::Changed(joints) => {
                 let names = self.actor.own.creature().joints();
                 let told = joints.iter().map(|(joint, distance)| {
                     let name = in_words(&names[*joint].name);
@@ -153,15 +149,15 @@ impl Conversation {
                      learned, and have to feel again where the table and its things are"
                 ))
             }
-            FeltOver::Unexplained { touches } => Answer::failed(format!(
+            BodyFound::Unexplained => Answer::failed(format!(
                 "{touches} self-touches show that my body is not as I know it, but not how it has changed. I will \
                  not act until I know it again"
             )),
-            FeltOver::TooFew { touches: 0 } => Answer::failed(
+            BodyFound::Undecided if touches == 0 => Answer::failed(
                 "I do not know how accurate my body schema is, so I cannot tell whether my body has changed: I \
                  should babble again",
             ),
-            FeltOver::TooFew { touches } => Answer::failed(format!(
+            BodyFound::Undecided => Answer::failed(format!(
                 "{touches} self-touches are too few to tell whether my body has changed"
             )),
         })

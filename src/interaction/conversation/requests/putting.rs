@@ -25,34 +25,32 @@ const EFFORT: usize = 2;
 pub(super) const PUT_FAR: RequestKind = RequestKind::of_body(
     ["put it far away", "put it far away"],
     Act::Handles(|creature, thing, request| creature.put(Goal::Far, thing, request)),
-    "told: PUT|PUSH|take|get|keep|carry|bring|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR; \
-     PUT|PUSH|PULL|take|get|carry THING|SOME ?UPRIGHT|right|well off|out|over|across; \
-     PUT|PUSH|take|get|carry|REACH|hold .. arms|BODY|full|at|arm|maximum|max|maximal|your LENGTH|extent|range; \
-     get|be|make ?yourself rid of; increase|widen|maximise|maximize|extend|lengthen ?its|THING GAP; PUSH \
-     THING|SOME; give THING ?BIT ?GOOD PUSH; ^ ?as FAR ?away|off as ..; ^ ?BIT FARTHER; MORE \
-     GAP|distance|space|room between|from; make|LET THING ?be|GO|stand ?MORE FAR; THING at a distance; \
-     PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between; PUT|PUSH|take THING ON ?very|far \
-     other|far|opposite|back end|side|edge|of|part; THING as FAR as|possible; \
-     PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring & THING|SOME & FAR & \
-     !NEAR|too|or|how; THING at|on|to ?its ?very FAR|back|other|opposite|maximum|greatest \
-     end|edge|side|back|GAP|place; make|clear room|space; THING .. FAR ?away|off & !be|how|where|which|NEAR|too; ^ \
-     WANTED .. FAR & THING & !too|how|NEAR|or; FAR ?ANY with THING",
+    "told: PUT|PUSH|take|keep|PULL|give|have|want|like|make|want|GO THING|SOME .. FAR; PUT|PUSH|PULL|take|get \
+     THING|SOME ?UPRIGHT|right|well off|out|over|across; PUT|PUSH|take|get|REACH|hold .. \
+     arms|BODY|full|at|arm|maximum|max|maximal|your LENGTH|range; get|be|make ?yourself rid of; \
+     increase|widen|maximise|maximize|extend|lengthen ?its|THING GAP; PUSH THING|SOME; give THING ?BIT ?GOOD PUSH; \
+     ^ ?as FAR ?away|off as ..; ^ ?BIT FARTHER; MORE GAP between|from; make|LET THING ?be|GO|stand ?MORE FAR; \
+     THING at a distance; PUT|leave|get|have ?as ?much|MORE|some space|room|distance as|between; PUT|PUSH|take \
+     THING ON ?far other|far|opposite|back end|side|edge|of|part; THING as FAR as|possible; \
+     PUT|PUSH|PULL|take|keep|make|give|want|need|like|prefer|have|GO & THING|SOME & FAR & !NEAR|too|or|how; THING \
+     at|on|to ?its FAR|back|other|maximum|greatest end|edge|side|back|GAP|place; make|clear room|space; THING .. \
+     FAR ?away|off & !be|how|where|which|NEAR|too; ^ WANTED .. FAR & THING & !too|how|NEAR|or; FAR ?ANY with THING",
 );
 
 pub(super) const BRING_NEAR: RequestKind = RequestKind::of_body(
     ["bring it near", "brought it near"],
     Act::Handles(|creature, thing, request| creature.put(Goal::Near, thing, request)),
-    "said: ^ NEAR $; told: PULL ?THING|SOME ?BIT NEAR & !FAR; PULL ?me THING|SOME & !FAR|away|off|UP; \
-     PUT|PUSH|PULL|take|get|make|carry THING|SOME .. ?right|over|up|just|back ?close|near \
-     ON|by|near|beside|next|before|against|into ?in ?front ?of ?your|to ?own you|me|yourself|PART|here|body|lap & \
-     !FAR|away; THING ?to ?could|should|must ?to =be|GO ?BIT ?MORE NEAR; ^ ?BIT ?MORE =closer|=nearer ?please $; \
-     reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?its|your GAP; ^ PULL|fetch|draw|drag \
-     $; ^ ?over here $; THING right in front of you|yourself|BODY; \
-     PUT|PUSH|PULL|take|get|keep|make|give|want|need|like|prefer|have|carry|GO|set|bring|return & THING|SOME & NEAR \
-     & !FAR|too|or|how; PUT|PUSH|PULL|take|get|want|need|like|have|GIVE|return|set THING|SOME .. \
-     ON|next|before|beside|by|near ?to you|yourself|me; THING ?right next|beside|before|by ?to \
-     you|yourself|me|PART; PUT|PUSH|PULL|bring THING .. your|this way|direction; ^ WANTED .. NEAR & THING & \
-     !too|how|FAR|or; NEAR with THING; ^ in front of BODY|you $",
+    "said: ^ NEAR $; told: PULL ?THING|SOME ?BIT NEAR & !FAR; PULL ?me THING|SOME & !FAR|UP; \
+     PUT|PUSH|PULL|take|get|make THING|SOME .. ?right|over|up|back ?close|near ON|by|near|beside|next|before|into \
+     ?in ?front ?of ?your|to you|me|yourself|PART|here|body|lap & !FAR; THING ?to ?could|should|must ?to =be|GO \
+     ?BIT ?MORE NEAR; ^ ?BIT ?MORE =closer|=nearer ?please $; \
+     reduce|decrease|shorten|close|narrow|minimise|minimize|shrink|lessen|cut ?its|your GAP; ^ PULL $; ^ ?over \
+     here $; THING right in front of you|yourself|BODY; \
+     PUT|PUSH|PULL|take|keep|make|give|want|need|like|prefer|have|GO & THING|SOME & NEAR & !FAR|too|or|how; \
+     PUT|PUSH|PULL|take|get|want|need|like|have|GIVE THING|SOME .. ON|next|before|beside|by|near ?to \
+     you|yourself|me; THING ?right next|beside|before|by ?to you|yourself|me|PART; PUT|PUSH|PULL THING .. \
+     your|this way|direction; ^ WANTED .. NEAR & THING & !too|how|FAR|or; NEAR with THING; ^ in front of BODY|you \
+     $",
 );
 
 pub(super) const PUT_ASIDE: RequestKind = RequestKind::of_body(

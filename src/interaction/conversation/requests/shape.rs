@@ -21,16 +21,15 @@ const ROUGHLY: f64 = 0.005;
 pub(super) const FEEL_SHAPE: RequestKind = RequestKind::of_body(
     ["feel its shape", "felt its shape"],
     Act::Handles(Conversation::feel_shape),
-    "told: FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|sense|take|work .. FORM|EDGE|SIZE; FEEL|FIND|EXAMINE|see ?out \
-     what THING|SOME be|look; FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED; RUN ?with ?your HAND|PART \
-     ?slowly ?ALL ?way AROUND|over|along THING|the|its|EDGE; EXAMINE|SEARCH|palpate THING; FEEL ?ALL ?way \
-     AROUND|over|about THING; FEEL|TOUCH THING ALL|over|AROUND|up|from|closely; FEEL|FIND|EXAMINE ?out \
-     whether|if|what ?THING ?be|is SHAPED|like|box; get|have|take|give ?THING a|the ?GOOD ?proper feel|FEEL \
-     ?for|of|over; GO|RUN ?ALL over|AROUND|along ?ALL ?its EDGE|THING; get|come to KNOW|EXAMINE|learn THING|FORM; \
-     wrap|put|close HAND AROUND THING; FIND|work|figure|make out what KIND|FORM; FEEL THING; give THING .. FEEL; \
-     FEEL what KIND; FIND out what THING; EXAMINE|SEARCH|FEEL|TOUCH|explore|RUN .. every|ALL|each \
-     ?face|side|part|bit|face|sides OF THING; TOUCH THING in|at|from|on .. places|sides|points|spots|times & \
-     MORE|NUMBER|ALL|many|different|several",
+    "told: FEEL|EXAMINE|SEARCH|FIND|TOUCH|get|make|take|work .. FORM|EDGE|SIZE; FEEL|FIND|EXAMINE|see ?out what \
+     THING|SOME be|look; FEEL|FIND|EXAMINE|work|see|SEARCH .. how SIZED|SHAPED; RUN ?with ?your HAND|PART ?ALL \
+     ?way AROUND THING|the|its|EDGE; EXAMINE|SEARCH|palpate THING; FEEL ?ALL ?way AROUND THING; FEEL|TOUCH THING \
+     ALL|AROUND|up|from|closely; FEEL|FIND|EXAMINE ?out whether|if|what ?THING ?be|is SHAPED|like|box; \
+     get|have|take|give ?THING a|the ?GOOD ?proper FEEL ?for|of|over; GO|RUN ?ALL AROUND ?ALL ?its EDGE|THING; \
+     get|come to KNOW|EXAMINE THING|FORM; wrap|put|close HAND AROUND THING; FIND|work|figure|make out what \
+     KIND|FORM; FEEL THING; give THING .. FEEL; FEEL what KIND; FIND out what THING; EXAMINE|SEARCH|FEEL|TOUCH|RUN \
+     .. ALL|each ?face|side|part|bit|face|sides OF THING; TOUCH THING in|at|from|on .. \
+     places|sides|points|spots|times & MORE|NUMBER|ALL|different",
 );
 
 pub(super) const HOW_BIG: RequestKind = RequestKind::new(
@@ -46,10 +45,10 @@ pub(super) const WHAT_SHAPE: RequestKind = RequestKind::new(
     Act::Tells(|creature, _| creature.felt_in_words("its shape")),
     "told: TELL ?me ?about its|the FORM; asked: HELPING THING be SOME; FORM; be|do THING|SOME|they \
      ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?be ?be ?like SHAPED; be|do THING|SOME ?seem|feel|look \
-     ?MORE ?like|to ?be SOME; describe THING|SOME|its; what ?KIND ?of ?SOME|THING do|be|HELPING THING|SOME \
+     ?MORE ?like|to ?be SOME; describe THING|SOME|its; what ?KIND ?of ?SOME|THING HELPING THING|SOME \
      ?look|feel|seem|be ?like|resemble; what .. THING look|feel ?like; what KIND of THING|SOME ?be|have|do; SHAPED \
      or|and|nor SHAPED; any SHAPED|EDGE ON; THING have SHAPED|EDGE; SOME or SOME; have THING ?get|any \
-     SHAPED|EDGE|a; what THING|that be; what ?HELPING you TELL|say|KNOW ?me about|of THING|its; THING be .. SHAPED; \
+     SHAPED|EDGE|a; what THING|that be; what ?HELPING you TELL|KNOW ?me about|of THING|its; THING be .. SHAPED; \
      description; how do THING FEEL|look|seem; what you think THING be",
 );
 
@@ -103,7 +102,7 @@ impl Conversation {
     fn felt_in_words(&self, what: &str) -> Answer {
         Answer::tells(match self.mind.things.it() {
             None if self.mind.things.is_empty() => "I have not felt anything yet".into(),
-            None => self.question(),
+            None => self.mind.question(&self.actor),
             Some(KnownThing { shape: Some(shape), .. }) => said_of(shape),
             Some(known) => {
                 let places = &known.places;

@@ -11,7 +11,7 @@ pub(super) const TAKE_STICK: RequestKind = RequestKind::of_body(
     ["take the stick", "took the stick"],
     Act::Moves(Conversation::take_stick),
     "told: GRAB|have|get|accept|pick|lift|KEEP ?up STICK; reach for STICK; i .. GIVE|hand|hold .. you .. STICK; \
-     GIVE you STICK; STICK for you; for you STICK; STICK & take|hold|GRAB|get; here ?you ?go STICK",
+     GIVE you STICK; STICK for you; for you STICK; STICK & GRAB|get; here ?you ?go STICK",
 );
 
 pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
@@ -20,7 +20,7 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
     "told: GIVE ?me ?BACK STICK ?BACK; PUT|take STICK DOWN|away|BACK|SIDEWAYS|off; PUT DOWN|away|BACK|SIDEWAYS \
      STICK; LET|leave ?go of|off STICK; STICK BACK|down|away; get rid of STICK; leave|lose|DROP|LET|return STICK; \
      STICK & give|return|DROP; away with STICK; let me have STICK; off with STICK; asked: i|we ?have|get .. STICK \
-     BACK; denied: stop|STOP =using|=holding STICK",
+     BACK; denied: STOP =using|=holding STICK",
 );
 
 pub(super) const STICK_KNOWN: RequestKind = RequestKind::new(

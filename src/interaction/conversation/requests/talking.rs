@@ -18,25 +18,25 @@ const LAST: usize = 4;
 pub(super) const GREET: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
-    "said: GOOD to meet|see you; how have you be; ^ HELLO; ^ GOOD|good morning|afternoon|evening|day; ^ \
-     morning|evening|afternoon; make your acquaintance; asked: how be THING|life|everything|things|you|ALL ?going; \
-     how do you do; you|are|be ?you ok|okay|alright|well $; what be UP $; what be new",
+    "said: GOOD to meet|see you; how have you be; ^ HELLO; ^ GOOD morning|afternoon|evening|day; ^ \
+     morning|evening|afternoon; make your acquaintance; asked: how be THING|life|things|you|ALL ?going; how do you \
+     do; you|are|be ?you ok|okay|alright|well $; what be UP $; what be new",
 );
 
 pub(super) const THANKS: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("You are welcome")),
-    "said: THANKS ?you|THING|many|much ?for|very|ALL|so ?THING|your ?help|much; impressed; well|nicely =done|do; ^ \
-     GOOD BEING|boy|one; GOOD of you; GOOD job|work|effort; how kind; THING be ?so ?very GOOD; you be GOOD; very|so \
-     GOOD; ^ GOOD $; past: you =have =been ?GOOD help|GOOD; ^ that be ?so GOOD ?of ?you",
+    "said: THANKS ?you|THING|many|much ?for|ALL|so ?THING|your ?help|much; impressed; well|nicely =done|do; ^ GOOD \
+     BEING|boy|one; GOOD of you; GOOD job|work|effort; how kind; THING be ?so GOOD; you be GOOD; very|so GOOD; ^ \
+     GOOD $; past: you =have =been ?GOOD help|GOOD; ^ that be ?so GOOD ?of ?you",
 );
 
 pub(super) const YES: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")),
     "said: i agree; ^ YES; ^ go ahead|on; ^ go for it; ^ DO it|so|that|THING $; ^ DO $; ^ of course; ^ that|THING \
-     be right|correct|true|fine|it; ^ by all means; ^ you may|can|should $; ^ why not $; ^ i|you do; ^ ALL right $; \
-     ^ please $; ^ ?YES that|THING be THING $; ^ you bet",
+     be right|correct|true|fine|it; ^ by all means; ^ you may|can|should $; ^ why not $; ^ i|you do; ^ ALL right \
+     $; ^ please $; ^ ?YES that|THING be THING $; ^ you bet",
 );
 
 pub(super) const NO: RequestKind = RequestKind::new(
@@ -44,15 +44,15 @@ pub(super) const NO: RequestKind = RequestKind::new(
     Act::Tells(|_, _| Answer::tells("All right, I will do nothing")),
     "said: i disagree; not what i mean|want; change|changed my mind; ^ NO; ^ wrong|incorrect|false; ^ not \
      really|quite|THING|yet|now|so|right|correct|true|me|at|in; ^ that|THING be not|wrong|false|incorrect; ^ i do \
-     not think|want|believe; ^ rather|better not; ^ never|not $; ^ i would rather not; ^ let us not; ^ no \
-     thank|THANKS ?you; i =said no",
+     not think|want|believe; ^ rather|better not; ^ never|not $; ^ i would rather not; ^ let us not; ^ no THANKS \
+     ?you; i =said no",
 );
 
 pub(super) const WHICH: RequestKind = RequestKind::new(
     ["", ""],
     Act::Tells(Conversation::which),
     "said: THING ?that i mean|want|need|think; i be|was =talking|=thinking about|of THING; ^ ?not \
-     ?it|take|choose|mean|be|want|that|prefer THING ?ON|at|with|by|that|which|in|i|from|FAR|NEAR ?your ?my \
+     ?it|take|choose|mean|be|want|that|prefer THING ?ON|with|by|that|which|i|from|FAR|NEAR ?your ?my \
      ?left|right|side|front|back|mean|want|end|other $; ^ ON ?your|my left|right; ^ \
      first|second|third|last|left|right|NEAR|FAR $; ^ i mean|want|choose|pick|prefer|meant THING; ^ \
      either|whichever|any $; ^ number NUMBER; THING ?be THING; ^ leftmost|rightmost|either|whichever ?you \
@@ -67,7 +67,7 @@ pub(super) const WHO: RequestKind = RequestKind::new(
             "I am {name}. I am blindfolded: I know my body from self-touch, and my surroundings from what I feel"
         ))
     }),
-    "asked: who HELPING|be you; who you be; who|what ?you|exactly be you; who|whom do|be|have i|we \
+    "asked: who HELPING you; who you be; who|what ?you be you; who|whom do|be|have i|we \
      have|the|TELL|=talking|=speaking|SPEAK; which|what KIND|BEING ?of ?BEING|THING|SOME be|are you; your \
      purpose|function|job|name; ^ ?and you be $; you have name; be you ?called|named \
      BEING|real|alive|virtual|SOME|max; you be max; INTRODUCE yourself; call|named|name you; who be \
@@ -78,12 +78,12 @@ pub(super) const HELP: RequestKind = RequestKind::new(
     ["help", "helped"],
     Act::Tells(|_, _| Answer::tells(ABILITIES)),
     "said: ^ i =need|=want .. help|assistance; ^ i could|can ?use ?some help; ^ how do|does THING|it work; ^ i be \
-     stuck|lost|confused; told: give|show ?me|us .. COMMANDS; guide|instruct|help|assist|teach me; walk me through; \
-     asked: what ?all you can|could|may do; what to SPEAK|TELL|do; what ?else|ALL|things|KIND|sort ?of ?SOME|THING \
-     HELPING you|i|we do|TELL|SPEAK|understand|make|perform|offer|KNOW|try|want|request|DO; what be you \
-     able|capable|good|for; what|which|list|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS; help \
+     stuck|lost|confused; told: give|show ?me|us .. COMMANDS; guide|instruct|help|assist|teach me; walk me \
+     through; asked: what ?all you can|could|may do; what to SPEAK|TELL|do; what ?else|ALL|things|KIND ?of \
+     ?SOME|THING HELPING you|i|we TELL|SPEAK|understand|offer|KNOW|try|want|request|DO; what be you \
+     able|capable|good|for; what|which|TELL|your|all|give|any ?ALL|of ?THING|your|ALL|be ?your COMMANDS; help \
      ?me|us ?out $; what be possible; what be my|the options|choices|possibilities; be there ?any COMMANDS|help; \
-     what you HELPING|understand|KNOW $; how .. ?to USE you; what i HELPING|do; how HELPING i; how do you \
+     what you HELPING|understand|KNOW $; how .. ?to USE you; what i HELPING; how HELPING i; how do you \
      work|function; what next|now|else $; ^ COMMANDS",
 );
 
@@ -94,7 +94,7 @@ pub(super) const REPORT: RequestKind = RequestKind::new(
      success|successful; what be result|outcome|upshot; summary|report|recap|recount; status|progress; ^ ?ALL \
      =done|=finished $; past: you; what|how|where =went|go; how many time|times & you; you|BODY|HAND|THING|SOME \
      PAST; what ?be result|outcome|upshot; THING|SOME GO|work|HAPPEN|succeed|fall|fail; HAPPEN; \
-     success|luck|work|successful; ^ HELPING|be you|THING|SOME; what come|came of|out",
+     success|luck|work|successful; ^ HELPING you|THING|SOME; what come|came of|out",
 );
 
 impl Conversation {
@@ -107,7 +107,7 @@ impl Conversation {
                 format!("I know of only one thing, {}", self.place(&known.at))
             }
             _ if things.is_empty() => "I have not felt anything yet, so I do not know which you mean".into(),
-            _ => format!("I do not know which one you mean. {}", self.question()),
+            _ => format!("I do not know which one you mean. {}", self.mind.question(&self.actor)),
         })
     }
 

@@ -3,7 +3,7 @@
 use super::super::Conversation;
 use super::super::speaking::cm;
 use super::{Act, Acted, Answer, RequestKind};
-use crate::interaction::tasks::Trouble;
+use crate::interaction::tasks::{FeltOn, Trouble};
 use crate::interaction::things::KnownThing;
 use crate::peripersonal::{Level, OutOfReach};
 
@@ -24,13 +24,13 @@ pub(super) const TOUCH: RequestKind = RequestKind::of_body(
         touched
     }),
     "told: ^ USE STICK ?to|for|on ?TOUCH; TOUCH ?on|at|against|up THING|SOME|HAND|them; ^ TOUCH; GO ?over ON|and \
-     THING; REACH ?out ?and|for|to ?TOUCH THING; PUT|get|keep|have|press|hold|bring|REACH|lower|lay|PULL|PUSH|land \
-     ?your|one|both ?down|out HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near|over|in \
-     ?CONTACT|touch|top|with ?with|of THING|SOME; make|get|have ?in CONTACT with THING|SOME; USE HAND ?to|for|on \
-     ?TOUCH; HAND ?should|must|be|GO ?be|go|should ?be ON THING; HAND ON THING|SOME; ^ HAND $; ^ ?but|and|do|try \
-     ?THING with|use HAND ?instead|now $; REACH ?out ?and|to|for TOUCH; switch|change|swap ?over ?to HAND; TOUCH & \
-     THING; HAND TOUCH THING; ^ THING & other|instead; HAND TOUCH; PUT|lay|get .. HAND|finger|fingertip .. ON \
-     THING; give THING .. TOUCH|dab|poke|tap|touch; TOUCH THING ?with other|left|right",
+     THING; REACH ?out ?and|for|to ?TOUCH THING; PUT|get|keep|have|press|hold|REACH|lower|PULL|PUSH|land ?your|one \
+     ?down|out HAND|finger|hand ?UP|DOWN|out|over|BACK|flat ?right ON|OF|near ?CONTACT|top|with ?with|of \
+     THING|SOME; make|get|have ?in CONTACT with THING|SOME; USE HAND ?to|for|on ?TOUCH; HAND ?should|must|be|GO \
+     ?be|go|should ?be ON THING; HAND ON THING|SOME; ^ HAND $; ^ ?but|and|do|try ?THING with|use HAND ?instead $; \
+     REACH ?out ?and|to|for TOUCH; switch|change|swap ?over ?to HAND; TOUCH & THING; HAND TOUCH THING; ^ THING & \
+     other|instead; HAND TOUCH; PUT|get .. HAND|finger|fingertip .. ON THING; give THING .. TOUCH; TOUCH THING \
+     ?with other|left|right",
 );
 
 impl Conversation {
@@ -48,7 +48,10 @@ impl Conversation {
         }
         self.let_be();
         self.settle();
-        match self.actor.touch_with_stick(&thing.found, lean, 1) {
+        match self
+            .actor
+            .with_stick(|actor, hand| actor.touch_again(FeltOn::once(&thing.found), hand, lean, 1))
+        {
             Ok(touching) => {
                 self.mind.things.felt_again(thing.id, &touching.found);
                 Ok(Answer::done("I touch it with the stick"))
@@ -79,7 +82,7 @@ impl Conversation {
         }
         let result = match touching {
             Some(_) => self.actor.touch(&thing.found, hand, lean, 1),
-            None => self.actor.touch_again(&thing.found, hand, lean, 1),
+            None => self.actor.touch_again(FeltOn::once(&thing.found), hand, lean, 1),
         };
         match result {
             Ok(touching) => {

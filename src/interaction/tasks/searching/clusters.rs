@@ -28,9 +28,12 @@ pub struct FeltThing {
 /// The things that touches are of, in the order in which they were felt first.
 pub fn things(map: &SearchedMap, felt: &[Feeling]) -> Vec<FeltThing> {
     let mut group: Vec<usize> = (0..felt.len()).collect();
+    let are_one = |a: &Feeling, b: &Feeling| {
+        (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) <= TOGETHER && nothing_parts(map, a, b)
+    };
     for i in 0..felt.len() {
         for j in 0..i {
-            if group[i] != group[j] && !felt[i].gone && !felt[j].gone && are_one(map, &felt[i], &felt[j]) {
+            if group[i] != group[j] && !felt[i].gone && !felt[j].gone && are_one(&felt[i], &felt[j]) {
                 let (old, new) = (group[i].max(group[j]), group[i].min(group[j]));
                 group.iter_mut().filter(|g| **g == old).for_each(|g| *g = new);
             }
@@ -48,11 +51,6 @@ pub fn things(map: &SearchedMap, felt: &[Feeling]) -> Vec<FeltThing> {
         FeltThing { touches, at: 0.5 * (low + high) }
     };
     firsts.map(thing).collect()
-}
-
-/// Whether two touches are of one thing, as far as nothing is known to part them.
-fn are_one(map: &SearchedMap, a: &Feeling, b: &Feeling) -> bool {
-    (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) <= TOGETHER && nothing_parts(map, a, b)
 }
 
 /// Whether no skin has passed between two touches lower than both: where it has there is no thing that reaches from one to

@@ -56,7 +56,7 @@ impl Actor {
     /// # Errors
     /// Where the engine fails.
     pub fn touch_anew(&mut self, found: &FoundThing) -> Result<Option<FoundThing>> {
-        let contacts = self.follow(&PosturePath(vec![found.posture.clone()]), CAREFUL, |_, _| true)?.felt();
+        let contacts = self.follow(&PosturePath(vec![found.posture.clone()]), CAREFUL, |_, _| true)?;
         Ok(contacts.iter().find_map(|contact| self.found(contact)))
     }
 
@@ -113,8 +113,8 @@ impl Actor {
 
     /// Goes along a way, takes down what it passes, and draws back at once from what it feels.
     fn feel_along(&mut self, search: &mut Search, way: &PosturePath, speed: f64) -> Result<Option<Feeling>> {
-        let since = self.steps();
-        let contacts = self.follow(way, speed, |_, _| true)?.felt();
+        let since = self.steps;
+        let contacts = self.follow(way, speed, |_, _| true)?;
         search.map.begin_motion();
         let passed: Vec<Posture> = self.lately(since).step_by(NOTED).cloned().collect();
         for posture in &passed {

@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::creature::Posture;
-use crate::geometry::Frame;
+use crate::geometry::{Frame, directions};
 use crate::interaction::actor::{Actor, Hand};
 use crate::kinematics::{Place, REACHED};
 use crate::peripersonal::{
@@ -91,11 +91,7 @@ pub struct SearchPlan {
 /// The places of a hand that can be a sole, the one with most skin near its plane first.
 fn soles(own: &OwnBody, skin: &SkinPoints, hand: &Hand) -> Vec<Place> {
     let points = skin.of(hand.limb);
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    let sole = |k: usize| {
-        let z = 1.0 - (2 * k + 1) as f64 / DIRECTIONS as f64;
-        let ring = (1.0 - z * z).sqrt();
-        let direction = Vector3::new(ring * (golden * k as f64).cos(), ring * (golden * k as f64).sin(), z);
+    let sole = |direction: Vector3<f64>| {
         let across = direction.cross(&Vector3::ith(direction.iamin(), 1.0)).normalize();
         let along = direction.cross(&across);
         let far = points.iter().map(|point| point.dot(&direction)).fold(f64::NEG_INFINITY, f64::max);
@@ -110,7 +106,7 @@ fn soles(own: &OwnBody, skin: &SkinPoints, hand: &Hand) -> Vec<Place> {
         let point = middle + direction * (far - middle.dot(&direction));
         (cells.len(), Place { limb: hand.limb, point, direction })
     };
-    let mut found: Vec<_> = (0..DIRECTIONS).map(sole).collect();
+    let mut found: Vec<_> = directions(DIRECTIONS).map(sole).collect();
     found.sort_by_key(|found| std::cmp::Reverse(found.0));
     let mut soles: Vec<Place> = Vec::new();
     for (_, place) in found {
