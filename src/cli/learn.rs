@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::count;
 use super::folders::{Force, session_folder, written_session};
 use super::learned::{learn_and_print, read_log};
-use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
+use crate::given_number::count;
 use crate::learning::{Input, Learner, LimbFrames};
 use crate::senses::RecordedTouch;
 use crate::session::{BabbledSession, FolderLock, LearningOptions, ReadLock, Session};
@@ -57,7 +56,7 @@ pub struct LearnArguments {
     #[arg(long)]
     seed: Option<u64>,
     #[command(flatten)]
-    learning: LearningArguments,
+    learning: LearningOptions,
     /// The model to compare with, if it is not at the path recorded in the session
     #[arg(long)]
     model: Option<PathBuf>,
@@ -76,6 +75,15 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   For receptors, use the columns receptor_a,receptor_b instead of limbs and points. a_std,b_std are standard
   deviations of the points' coordinates, metres; without them noise is estimated. In JSON, one touch per line:
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
+
+/// An example of a file of known joints, for the help of commands.
+pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow exactly, the right wrist's position to 5 mm.
+  {"joints": [
+    {"joint": "left_elbow", "position": [0.024, 0.089, -0.28],
+     "axes": [{"dof": "left_elbow_flexion", "axis": [-0.239924, -0.9466999, -0.2149319]},
+              {"dof": "left_elbow_pronation", "axis": [0.2399183, 0.2399183, -0.9406798]}]},
+    {"joint": "right_wrist", "position": [0.06, -0.06, -0.235], "position_std": 0.005}
+  ]}"#;
 
 pub fn run(args: &LearnArguments) -> Outcome {
     let Learnable { lock, made, session, touches, learning } =
@@ -135,7 +143,7 @@ impl LearnArguments {
         let mut session = Session::read(folder)?;
         let mut touches = read_log(folder, &session.agent)?;
         drop(reading);
-        let learning = self.learning.options_for(&session)?;
+        let learning = self.learning.for_session(&session)?;
         let made = own.is_none().then(|| BabbledSession {
             session: session.clone(),
             touches: touches.clone(),
@@ -149,19 +157,15 @@ impl LearnArguments {
 
     /// What is learned from a recording, of which a session is made.
     fn recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
-        let (asked, command) = (self.learning.bare(None), output::command_line());
-        let of = (creature, log);
-        let mut recorded = BabbledSession::of_recording(
-            of,
+        let recorded = BabbledSession::of_recording(
+            (creature, log),
             self.touches.unwrap_or(usize::MAX),
             self.seed,
-            &asked,
-            command,
+            &self.learning,
+            output::command_line(),
             &Bars::default(),
         )?;
-        let known = self.learning.known.as_ref().map(|known| known.display().to_string());
-        recorded.session.options.known = known;
-        let learning = self.learning.options_for(&recorded.session)?;
+        let learning = self.learning.for_session(&recorded.session)?;
         let lock = self.new_folder(&recorded.session)?;
         let BabbledSession { session, touches, .. } = recorded.clone();
         Ok(Learnable { lock, made: Some(recorded), session, touches, learning })

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
-use super::shares::{BabbledShares, ShareRecord, bouts_of_share};
+use super::shares::{BabbledShares, ShareRecord};
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
@@ -15,7 +15,7 @@ use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
 use crate::session::{
     BabblingEffort, BabblingProgress, BoutLine, BoutLog, FolderLock, SESSION_FILE, Session, SessionOptions,
-    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+    TOUCHES_FILE, TouchWriter, model_hash, read_bouts, read_touches,
 };
 use crate::share::Share;
 use crate::simulation::{Effort, MotionName};
@@ -162,7 +162,7 @@ impl<'a> BabblingSession<'a> {
         // The bouts that are done: those of a share one by one, those of a session at random in all.
         let mut lines = Vec::new();
         if let Some(share) = setup.share {
-            lines = bouts_of_share(folder, share)?;
+            lines = read_bouts(folder, share)?;
             for line in &lines {
                 resumed.done.bouts += 1;
                 resumed.done.touches += line.touches;
@@ -341,8 +341,8 @@ fn new_session(embodied: &Embodied, setup: &SessionSetup, provenance: Provenance
             joints: source.joints.to_string(),
             root: source.root.clone(),
             input: Some(learning.input().to_string()),
-            learner: Some(learning.learner.name().to_string()),
-            known: learning.known.as_ref().map(|known| known.path.display().to_string()),
+            learner: Some(learning.kind().name().to_string()),
+            known: learning.known.as_ref().map(|known| known.display().to_string()),
             policy: Some(setup.policy.to_string()),
             motion: Some(setup.motion)
                 .filter(|motion| *motion != MotionName::default())

@@ -16,6 +16,9 @@ use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
 
+/// What a fact is called that tells of a change of the body.
+pub(super) const CHANGE: &str = "change";
+
 /// What learning from a session's touches came to.
 ///
 /// In the file, the format's name and version come before these fields.
@@ -124,6 +127,11 @@ impl LearningRecord {
         self.reliable_account().filter(|account| account.witnesses.at_floor).map(|_| {
             "The touches show no noise. The bounds assume the learner's minimum noise; actual errors are far smaller."
         })
+    }
+
+    /// How the body changed as the learner understood it, in sentences.
+    pub fn changes(&self) -> impl Iterator<Item = &String> {
+        self.facts.iter().filter(|(name, _)| name == CHANGE).map(|(_, value)| value)
     }
 
     /// How many directions no touch feels, and what that means for what is located.

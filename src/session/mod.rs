@@ -42,7 +42,7 @@ pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
 pub use folder::{FolderLock, ReadLock};
 pub use in_memory::{Babbled, LearnedBody};
 pub use learned_session::{LearnedSession, learn_session};
-pub use learning_options::{DisturbanceLevels, KnownFile, LearningOptions};
+pub use learning_options::{DisturbanceLevels, LearningOptions};
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRow, read_learning_table, write_learning_table};
 pub(crate) use log::wide_ranges;

@@ -13,9 +13,7 @@ use std::time::Duration;
 use crate::agent::Agent;
 use crate::babbling::Bout;
 use crate::error::Error;
-use crate::session::{
-    BOUTS_FILE, BoutLine, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE, read_bouts, read_touches,
-};
+use crate::session::{SESSION_FILE, Session, SessionOptions, TOUCHES_FILE, read_bouts, read_touches};
 use crate::share::Share;
 
 /// Where the shares of a folder's work are.
@@ -177,23 +175,6 @@ pub(crate) fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<Made
     Ok(if unready.all().is_empty() { Ok(made) } else { Err(unready) })
 }
 
-/// The bouts that are whole in a share's folder: those that the share begins with.
-pub(super) fn bouts_of_share(folder: &Path, share: Share) -> Result<Vec<BoutLine>, Error> {
-    let bouts = read_bouts(folder)?;
-    match bouts.iter().enumerate().find(|(own, bout)| bout.bout != share.piece(*own as u64)) {
-        None => Ok(bouts),
-        Some((own, _)) => {
-            let reason = format!(
-                "line {} does not belong to bout {}: lines were added or lost; remove {} and make the share again",
-                own + 1,
-                share.piece(own as u64),
-                folder.display()
-            );
-            Err(Error::unfit(&folder.join(BOUTS_FILE), reason))
-        }
-    }
-}
-
 impl ShareRecord for Session {
     const FILE: &'static str = SESSION_FILE;
     const OF: &'static str = "session";
@@ -242,14 +223,9 @@ impl ShareRecord for Session {
 }
 
 /// Shares that are all made, of one session.
-pub(crate) struct BabbledShares(MadeShares<Session>);
+pub(crate) struct BabbledShares(pub MadeShares<Session>);
 
 impl BabbledShares {
-    /// The shares in a folder, if all are made; else which are not.
-    pub(crate) fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, Error> {
-        Ok(made_shares(shares)?.map(BabbledShares))
-    }
-
     /// The session that they are of, as the first share has it.
     pub(crate) fn session(&self) -> &Session {
         &self.0[0].2
@@ -277,7 +253,7 @@ impl BabbledShares {
 
 /// The bouts of one share, by their numbers.
 fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64, Bout>, Error> {
-    let bouts = bouts_of_share(folder, share)?;
+    let bouts = read_bouts(folder, share)?;
     let path = folder.join(TOUCHES_FILE);
     let mut touches = read_touches(&path, agent)?.touches.into_iter().peekable();
     let lost = |lost: String| {

@@ -5,7 +5,6 @@ mod results;
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::{count, not_negative};
 use super::folders::Force;
 use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
@@ -14,6 +13,7 @@ use crate::calibration::{
     Calibration, Estimator, EstimatorOptions, Fit, Judgement, Touch, add_places, folds, judge, objections,
     put_on_places, split,
 };
+use crate::given_number::{count, not_negative};
 use crate::session::{
     RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
     set_prior,

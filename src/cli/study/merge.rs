@@ -49,8 +49,8 @@ pub fn run(args: &MergeArguments) -> Outcome {
             found => tell_unready(args, found.err()),
         };
     }
-    match BabbledShares::find(&shares)? {
-        Ok(shares) if !args.missing => session(args, &shares),
+    match made_shares(&shares)? {
+        Ok(made) if !args.missing => session(args, &BabbledShares(made)),
         found => tell_unready(args, found.err()),
     }
 }

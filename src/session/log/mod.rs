@@ -49,18 +49,6 @@ pub(super) struct Log<'a> {
     pub notes: Vec<String>,
 }
 
-/// One end of a touch as a row has it.
-pub(super) struct LogEnd {
-    /// The name of the limb.
-    pub limb: Option<String>,
-    /// The id of the receptor.
-    pub receptor: Option<String>,
-    /// The point of contact in the limb's frame, metres.
-    pub point: Option<Vector3<f64>>,
-    /// Standard deviation of each of its coordinates, metres.
-    pub deviation: Option<f64>,
-}
-
 impl LogJoint<'_> {
     /// The columns that it has.
     pub fn columns(&self) -> Vec<(String, Option<Measure>)> {
@@ -163,14 +151,6 @@ impl<'a> Log<'a> {
             let place = self.table.place(at);
             CellFault::Wrong(format!("{place}: \"{}\" is not a whole number: give one", &row[at]))
         })
-    }
-
-    /// What a row says of a side.
-    pub fn end(&self, row: &StringRecord, side: usize) -> Result<LogEnd, CellFault> {
-        let [limb, receptor] =
-            [LIMBS, RECEPTORS].map(|names| self.text(row, names[side]).map(str::to_string));
-        let (point, deviation) = (self.point(row, side)?, self.deviation(row, side)?);
-        Ok(LogEnd { limb, receptor, point, deviation })
     }
 
     /// The standard deviation of each coordinate of the point of a side, if it is given.

@@ -360,10 +360,8 @@ pub(super) fn with_values(bytes: &[u8], robot: &Robot, values: &[Value]) -> Writ
 
 /// A value as a file has it.
 pub(crate) fn json_of(value: &Value) -> serde_json::Value {
-    let three = |v: Vector3<f64>| serde_json::json!([v.x, v.y, v.z]);
-    match value {
-        Value::Position(v) | Value::Direction(v) => three(*v),
-        Value::Orientation(r) => three(Rotation3::from_matrix_unchecked(*r).scaled_axis()),
-        Value::Number(x) => serde_json::json!(x),
+    match value.numbers().as_slice() {
+        [number] => serde_json::json!(number),
+        numbers => serde_json::json!(numbers),
     }
 }

@@ -23,12 +23,12 @@ use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::error::Error;
+use crate::evaluation::Summary;
 use crate::named::did_you_mean;
 use crate::plausible::{is_angle, is_length};
 use crate::session::log::table::{CellFault, Column, LIMBS, POINTS, Quantity, RECEPTORS};
 use crate::session::log::units::Measure;
 use crate::session::log::{Log, LogJoint, far_angles};
-use crate::session::recording::median;
 
 const DISTANCE: &str = "distance";
 const TOUCH: &str = "touch";
@@ -331,8 +331,8 @@ fn refuse_millimetres(log: &Log, robot: &Robot, touches: &[Touch]) -> Result<(),
                 Feature::Point(_, point) => Some(point.norm()),
                 Feature::Surface(_) => None,
             });
-        let median = median(distances.collect()).filter(|median| *median > FAR * size);
-        if let Some(median) = median.filter(|_| log.column(x).is_some_and(Column::is_si)) {
+        let median = Summary::of(distances).median;
+        if median > FAR * size && log.column(x).is_some_and(Column::is_si) {
             let message = format!(
                 "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
                  {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",

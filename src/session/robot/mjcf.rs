@@ -10,7 +10,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{follow, moved, surface_name};
-use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
+use crate::calibration::robot::{Element, Form, LinkMass, Robot, Value};
 use crate::creature::{DofKind, body_name, joint_name, largest, limits, matrix, span};
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
@@ -119,11 +119,8 @@ impl Reader<'_> {
                 }
                 continue;
             };
-            let shift = Value::Position(body.pos);
-            let shift = self.robot.add_quantity(format!("{name}.position"), Unit::Metre, shift);
-            let turn = Value::Orientation(matrix(&body.quat));
-            let turn = self.robot.add_quantity(format!("{name}.orientation"), Unit::Radian, turn);
-            let mut elements = vec![Element::Shift(shift), Element::Turn(turn)];
+            let pose = Frame { rotation: matrix(&body.quat), origin: body.pos };
+            let mut elements = self.robot.add_pose(&name, pose).to_vec();
             for j in body.joints {
                 let joint = self.model.joint(j);
                 let anchor = Frame { origin: joint.pos, ..Frame::identity() };
