@@ -54,8 +54,8 @@ pub use request::SessionRequest;
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};
 pub use robot::simulated;
 pub use robot::{
-    CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, apply_known, calibration_table,
-    is_mjcf, read_calibration_log, read_robot,
+    CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, calibration_table, is_mjcf,
+    read_calibration_log, read_robot,
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};

@@ -144,7 +144,7 @@ fn robot(mut description: serde_json::Value, extras: Extras, bytes: Vec<u8>) -> 
     let mut robot = robot_of(&creature, &nominal);
     let says_what_is_open = add_extras(&mut robot, extras)?;
     let read = RobotFile::new(robot, RobotFormat::Json, bytes);
-    Ok(RobotFile { creature: Some(creature), unplaced, says_what_is_open, ..read })
+    Ok(RobotFile { unplaced, says_what_is_open, ..read })
 }
 
 /// A robot with a creature's limbs and joints at their positions and axes on their parents, one for each joint. A limb's frame has
