@@ -433,10 +433,7 @@ pub fn open<'py>(py: Python<'py>, folder: PathBuf) -> PyResult<Bound<'py, PyTupl
     })?;
     let (babbled, learned) = computed.whole()?;
     let (babbled, folder) = (Arc::new(babbled), Arc::new(Folder::new(Some(folder))?));
-    let schema = learned.map(|(own, record)| {
-        let record = record.unwrap_or_else(|| LearningRecord::unknown(own.creature()));
-        Schema::new(own, record, babbled.clone(), folder.clone())
-    });
+    let schema = learned.map(|(own, record)| Schema::new(own, record, babbled.clone(), folder.clone()));
     if babbled.session.effort.is_none()
         && babbled.session.recording.is_none()
         && !babbled.session.engine.is_empty()

@@ -162,8 +162,8 @@ impl LearningRecord {
         })
     }
 
-    /// That of a session without a record: nothing is known.
-    pub fn unknown(creature: &Creature) -> LearningRecord {
+    /// That of a schema without a record: nothing is known.
+    fn unknown(creature: &Creature) -> LearningRecord {
         LearningRecord {
             touches: usize::MAX,
             verdict: "The session does not record whether learning converged; run `bodyschema learn` again."
@@ -194,15 +194,16 @@ impl LearningRecord {
         STAMP.write(&folder.join(LEARNED_RECORD_FILE), &content)
     }
 
-    /// Reads [`LEARNED_RECORD_FILE`] of `folder`; `None` if there is no such file, as in sessions from before there was one.
+    /// Reads [`LEARNED_RECORD_FILE`] of `folder`. Without such a file, as beside a schema that was put there, nothing is known,
+    /// not even the program.
     ///
     /// # Errors
     /// If it cannot be read, or if it is no such record, one of a
     /// newer version, or of another creature.
-    pub fn read(folder: &Path, creature: &Creature) -> Result<Option<LearningRecord>, Error> {
+    pub fn read(folder: &Path, creature: &Creature) -> Result<LearningRecord, Error> {
         let path = folder.join(LEARNED_RECORD_FILE);
         if !path.exists() {
-            return Ok(None);
+            return Ok(LearningRecord::unknown(creature));
         }
         let content: LearningFile = STAMP.read(&path, "record of learning")?;
         let refuse = |message: String| Error::content(&path, None, message);
@@ -241,7 +242,7 @@ impl LearningRecord {
                 bound_rms: entry.bound_rms_mm,
             });
         }
-        Ok(Some(record))
+        Ok(record)
     }
 }
 

@@ -162,11 +162,11 @@ fn missing(log: &Log) -> Option<String> {
         let (name, _) = &joint.columns()[k];
         return Some(format!("column {name} is missing: add this degree of freedom{}", log.meant(name)));
     }
-    let side = [0, 1]
-        .into_iter()
-        .find(|&side| !(log.has(RECEPTORS[side]) || log.has(LIMBS[side]) && log.has(POINTS[side][0])))?;
+    let side = [0, 1].into_iter().find(|&side| {
+        !(log.table.has(RECEPTORS[side]) || log.table.has(LIMBS[side]) && log.table.has(POINTS[side][0]))
+    })?;
     let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
-    let missing = if log.has(limb) { x } else { limb };
+    let missing = if log.table.has(limb) { x } else { limb };
     Some(format!("column {missing} is missing: give {limb} with {x}, {y}, {z}, or {receptor}"))
 }
 
@@ -302,7 +302,7 @@ fn raw_end(log: &Log, row: &StringRecord, k: usize, agent: &Agent) -> Result<Raw
     let (creature, skin, side) = (agent.creature(), agent.skin(), ["a", "b"][k]);
     let wrong = |message: String| Err(CellFault::Wrong(message));
     let (point, deviation) = (log.point(row, k)?, log.deviation(row, k)?);
-    let [limb, id] = [LIMBS, RECEPTORS].map(|names| log.text(row, names[k]));
+    let [limb, id] = [LIMBS, RECEPTORS].map(|names| log.table.text(row, names[k]));
     let named = limb.and_then(|name| creature.limb(name));
     if let (Some(name), None) = (limb, named) {
         let (column, all) = (LIMBS[k], listed(creature.limbs()));
