@@ -10,6 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use serde_json::{Value, json};
+
 use crate::agent::Agent;
 use crate::babbling::Bout;
 use crate::error::Error;
@@ -196,30 +198,24 @@ impl ShareRecord for Session {
     }
 
     fn difference(&self, other: &Session) -> Option<String> {
+        // Where the files are may differ from machine to machine, and the command with it.
         let facts = |session: &Session| {
-            let SessionOptions { touches, joints, root, motion, learner, input, known, .. } =
-                session.options.clone();
-            let words = |choice: Option<String>| choice.unwrap_or_else(|| "none".into());
-            [
-                ("program", session.program.clone()),
-                ("MuJoCo", session.engine.clone()),
-                ("seed", session.seed.to_string()),
-                ("--touches", touches.to_string()),
-                ("--joints", joints),
-                ("--root", words(root)),
-                ("--motion", words(motion)),
-                ("--learner", words(learner)),
-                ("--input", words(input)),
-                ("--known", words(known)),
-            ]
+            let options = SessionOptions { share: None, asked: Value::Null, ..session.options.clone() };
+            json!({"program": session.program, "MuJoCo": session.engine, "seed": session.seed, "options": options})
         };
-        let mut pairs = facts(self).into_iter().zip(facts(other));
-        if let Some(((what, one), (_, other))) = pairs.find(|(one, other)| one != other) {
-            return Some(format!("{what} {one} against {what} {other}"));
-        }
         let same = self.model_hash == other.model_hash && self.agent.creature() == other.agent.creature();
-        (!same).then(|| format!("{} is a different model", self.model))
+        difference(&facts(self), &facts(other))
+            .or_else(|| (!same).then(|| format!("{} is a different model", self.model)))
     }
+}
+
+/// The first that differs of what two JSON objects say, in words; `None` if nothing does.
+pub(crate) fn difference(one: &Value, other: &Value) -> Option<String> {
+    one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
+        same if same == value => None,
+        inner if value.is_object() && inner.is_object() => difference(value, inner),
+        another => Some(format!("{name} {value} against {name} {another}")),
+    })
 }
 
 /// Shares that are all made, of one session.
