@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
-use super::shares::{BabbledShares, ShareRecord};
+use super::shares::{MadeShares, ShareRecord, bouts_of, time_spent};
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
@@ -226,17 +226,17 @@ impl<'a> BabblingSession<'a> {
     /// at the end, as where bouts brought few touches, is babbled.
     pub(crate) fn put_together(
         self,
-        shares: &BabbledShares,
+        shares: &MadeShares<Session>,
         observer: &dyn Observer,
     ) -> Result<BabbledSession, Error> {
         let (model, options) = (self.embodied.model(), &self.setup.babbling);
         let agent = self.embodied.agent();
         // Where this was interrupted before, their time is counted already.
-        let spent = if self.before.touches.is_empty() { shares.spent() } else { self.before.spent };
+        let spent = if self.before.touches.is_empty() { time_spent(shares) } else { self.before.spent };
         BabblingSession { before: Before { spent, ..self.before }, ..self }.make(
             observer,
             |babbler, done, receive| {
-                let effort = babbler.put_together(done, options, shares.bouts(agent)?, receive);
+                let effort = babbler.put_together(done, options, bouts_of(shares, agent)?, receive);
                 Ok((effort.map_err(Error::of_model(model))?, None))
             },
         )

@@ -62,9 +62,7 @@ pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
 pub(crate) use session_body::{hands, learned_body, same_tree, session_body};
 pub use session_body::{model_hash, own_body};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
-pub(crate) use shares::{
-    BabbledShares, SHARES_FOLDER, ShareRecord, Shares, Unready, difference, made_shares,
-};
+pub(crate) use shares::{MadeShares, SHARES_FOLDER, ShareRecord, Shares, Unready, difference, made_shares};
 pub use space::{SpaceRecord, SpaceSlice};
 pub use strokes::{StrokedSession, read_firings, record_strokes, write_firings};
 pub use touch_log::{TouchLog, read_touches};

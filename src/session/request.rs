@@ -67,10 +67,6 @@ pub struct SessionRequest {
     #[cfg_attr(feature = "cli", arg(skip))]
     #[serde(skip)]
     pub share: Option<Share>,
-    /// When it began, which `seconds` are counted from.
-    #[cfg_attr(feature = "cli", arg(skip = Instant::now()))]
-    #[serde(skip, default = "Instant::now")]
-    pub began: Instant,
 }
 
 impl Default for SessionRequest {
@@ -79,7 +75,6 @@ impl Default for SessionRequest {
             touches: None,
             seconds: None,
             work: None,
-            began: Instant::now(),
             seed: 1,
             jobs: None,
             policy: None,
@@ -117,7 +112,7 @@ impl SessionRequest {
         }
     }
 
-    /// All that is chosen for a creature; work is counted from here on.
+    /// All that is chosen for a creature; seconds and work are counted from here on.
     ///
     /// # Errors
     /// If the creature cannot babble, the file of known joints cannot be read, or what is asked excludes itself.
@@ -130,10 +125,11 @@ impl SessionRequest {
 
     /// The same for a creature of which it is found out elsewhere whether it can babble.
     pub(super) fn chosen(&self, embodied: &Embodied) -> Result<SessionSetup> {
+        let began = Instant::now();
         let deadline = |share: f64| match (self.work(), self.seconds) {
             (Some(work), _) => Deadline::after_work_of(share * work),
             (None, Some(seconds)) => Duration::try_from_secs_f64(share * seconds)
-                .map_or(Deadline::Asked, |time| Deadline::after(self.began, time)),
+                .map_or(Deadline::Asked, |time| Deadline::after(began, time)),
             (None, None) => Deadline::Asked,
         };
         let creature = embodied.creature();

@@ -162,7 +162,7 @@ pub fn read_schema_with_std(
 ) -> Result<(BodySchema, Option<SchemaStd>), Error> {
     let content: SchemaFile = STAMP.read(path, "body schema").map_err(|error| {
         let session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
-        match session.filter(|_| mistaken::is_missing(&error)) {
+        match session.filter(|_| error.is_missing()) {
             Some(folder) => mistaken::for_schema(folder),
             None => error,
         }

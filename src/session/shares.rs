@@ -2,8 +2,8 @@
 //!
 //! Bouts are drawn by their numbers, so a share of them can be made anywhere:
 //! [`BabblingSession::take_up`](super::BabblingSession::take_up) makes one, in a folder that names the session as any session's folder does.
-//! [`BabbledShares`] are all of them, of which [`BabblingSession::put_together`](super::BabblingSession::put_together) makes the log that
-//! one process would have written.
+//! Of all of them [`BabblingSession::put_together`](super::BabblingSession::put_together) makes the log that one process would
+//! have written.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -218,33 +218,23 @@ pub(crate) fn difference(one: &Value, other: &Value) -> Option<String> {
     })
 }
 
-/// Shares that are all made, of one session.
-pub(crate) struct BabbledShares(pub MadeShares<Session>);
+/// The time that all shares of a session took to babble.
+pub(super) fn time_spent(shares: &MadeShares<Session>) -> Duration {
+    let effort = shares.iter().filter_map(|(_, _, session)| session.effort);
+    let spent = effort.map(|effort| Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default());
+    spent.fold(Duration::ZERO, Duration::saturating_add)
+}
 
-impl BabbledShares {
-    /// The session that they are of, as the first share has it.
-    pub(crate) fn session(&self) -> &Session {
-        &self.0[0].2
+/// Reads all that was made of a session by shares; what it gives hands out each bout once, by its number.
+pub(super) fn bouts_of(
+    shares: &MadeShares<Session>,
+    agent: &Agent,
+) -> Result<impl FnMut(u64) -> Option<Bout> + use<>, Error> {
+    let mut made = BTreeMap::new();
+    for (share, folder, _) in shares {
+        made.extend(read_share(folder, *share, agent)?);
     }
-
-    /// The time that all of them took to babble.
-    pub(crate) fn spent(&self) -> Duration {
-        let effort = self.0.iter().filter_map(|(_, _, session)| session.effort);
-        let spent = effort.map(|effort| Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default());
-        spent.fold(Duration::ZERO, Duration::saturating_add)
-    }
-
-    /// Reads all that was made; what it gives hands out each bout once, by its number.
-    pub(in crate::session) fn bouts(
-        &self,
-        agent: &Agent,
-    ) -> Result<impl FnMut(u64) -> Option<Bout> + use<>, Error> {
-        let mut made = BTreeMap::new();
-        for (share, folder, _) in &self.0 {
-            made.extend(read_share(folder, *share, agent)?);
-        }
-        Ok(move |bout| made.remove(&bout))
-    }
+    Ok(move |bout| made.remove(&bout))
 }
 
 /// The bouts of one share, by their numbers.

@@ -91,10 +91,18 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, Error> {
     let postures = rows.iter().map(|touch| (touch.line, &touch.posture[..]));
     log.check_angles(postures)?;
     let odd: Vec<String> = out_of_range(&log, &rows).chain(far_points(&rows, creature.limbs())).collect();
-    let Recording { agent, mut touches, input, .. } = resolve(&log, agent, &rows)?;
+    let (agent, mut touches) = resolve(&log, agent, &rows)?;
     let repeats = drop_repeats(&mut touches);
     log.notes.extend(odd);
     log.note_repeats(repeats, rows.len());
+    let all_receptors = rows.iter().flat_map(|touch| &touch.ends).all(|end| end.receptor.is_some());
+    if let Some(without) = rows.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
+        && !all_receptors
+    {
+        let message = "this touch has only receptors, others only points: give points in every touch, or receptors in every touch";
+        return Err(log.refused(without.line, message));
+    }
+    let input = if all_receptors { Input::Receptor } else { Input::Contact };
     Ok(Recording { agent, touches, input, notes: log.notes })
 }
 
@@ -247,12 +255,11 @@ fn drop_repeats(touches: &mut Vec<RecordedTouch>) -> usize {
     })
 }
 
-/// Gives every touch its receptors, in the order of their limbs.
-fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Error> {
+/// Gives every touch its receptors, in the order of their limbs, on limbs without a skin bare ones.
+fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<(Agent, Vec<RecordedTouch>), Error> {
     let limbs = agent.creature().limbs();
-    let ends = || raw.iter().flat_map(|touch| &touch.ends);
     let mut points = vec![Vec::new(); limbs.len()];
-    for end in ends().filter(|end| end.receptor.is_none()) {
+    for end in raw.iter().flat_map(|touch| &touch.ends).filter(|end| end.receptor.is_none()) {
         points[end.limb].extend(end.point);
     }
     let mut skin = agent.skin().clone();
@@ -286,15 +293,7 @@ fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Erro
         check(&touch, &agent).map_err(|fault| log.refused(found.line, fault))?;
         touches.push(touch);
     }
-    let all_receptors = ends().all(|end| end.receptor.is_some());
-    if let Some(without) = raw.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
-        && !all_receptors
-    {
-        let message = "this touch has only receptors, others only points: give points in every touch, or receptors in every touch";
-        return Err(log.refused(without.line, message));
-    }
-    let input = if all_receptors { Input::Receptor } else { Input::Contact };
-    Ok(Recording { agent, touches, input, notes: Vec::new() })
+    Ok((agent, touches))
 }
 
 /// One end of the touch of a row, on the limb of its receptor or on the one that is named.
