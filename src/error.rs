@@ -62,7 +62,8 @@ impl Error {
 
     /// Whether the file or folder that it is about is not there.
     pub fn is_missing(&self) -> bool {
-        self.system() == Some(io::ErrorKind::NotFound)
+        self.system()
+            .is_some_and(|kind| [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory].contains(&kind))
             || self.0.place.as_ref().is_some_and(|(path, line)| line.is_none() && !path.exists())
     }
 

@@ -92,6 +92,7 @@ pub mod export;
 #[doc(hidden)]
 pub mod geometry;
 mod given_file;
+mod given_number;
 #[doc(hidden)]
 pub mod ground_truth;
 #[doc(hidden)]

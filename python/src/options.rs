@@ -1,11 +1,9 @@
 //! How to learn, as Python's functions are asked it.
 
-use std::path::PathBuf;
-
+use bodyschema::Creature;
 use bodyschema::deadline::Deadline;
 use bodyschema::learning::learners::{LEARNERS, LearnerKind};
-use bodyschema::session::{LearningOptions, Session};
-use bodyschema::{Creature, PolicyName};
+use bodyschema::session::LearningOptions;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,9 +13,7 @@ use crate::errors::{raised, wrong};
 /// The options of a learner.
 #[derive(Clone, Default)]
 pub struct Learning {
-    pub learner: Option<&'static dyn LearnerKind>,
     pub options: LearningOptions,
-    pub known: Option<PathBuf>,
     /// Whether anything is asked.
     pub is_asked: bool,
 }
@@ -36,12 +32,12 @@ impl Learning {
             let word = || value.extract::<String>().map_err(|_| wrong(format!("{name}: give a name")));
             let options = &mut learning.options;
             match name.as_str() {
-                "learner" => learning.learner = Some(learner(&word()?)?),
+                "learner" => options.learner = Some(learner(&word()?)?),
                 "input" => options.input = Some(word()?.parse().map_err(raised)?),
                 "skin" => options.skin = word()?.parse().map_err(raised)?,
                 "frames" => options.frames = word()?.parse().map_err(raised)?,
                 "known" => {
-                    learning.known =
+                    options.known =
                         Some(value.extract().map_err(|_| wrong("known: give the path of a file"))?)
                 }
                 "joint_noise_deg" => options.disturbances.joint_noise = amount(&name, &value)?,
@@ -60,15 +56,6 @@ impl Learning {
             }
         }
         Ok(learning)
-    }
-
-    /// The options for a session's touches, as `bodyschema learn` chooses them.
-    pub fn for_session(&self, session: &Session) -> Result<LearningOptions, bodyschema::Error> {
-        let policy = session.options.policy.as_deref().and_then(|policy| policy.parse::<PolicyName>().ok());
-        let policy = policy.filter(|_| self.known.is_none() && self.options.grows());
-        let learner = self.learner.unwrap_or(LearningOptions::default_learner(policy));
-        let options = LearningOptions { learner, ..self.options.clone() }.for_session(session)?;
-        options.knowing(self.known.as_deref(), session.agent.creature())
     }
 }
 

@@ -206,7 +206,7 @@ pub fn babble(
     out: Option<PathBuf>,
     learning: Option<&Bound<PyDict>>,
 ) -> PyResult<Session> {
-    let Learning { learner, options, known, .. } = Learning::read("babble", learning)?;
+    let Learning { options: learning, .. } = Learning::read("babble", learning)?;
     if touches == Some(0) || jobs == Some(0) {
         return Err(wrong("touches and jobs: give numbers from 1 on"));
     }
@@ -221,9 +221,7 @@ pub fn babble(
         jobs,
         policy: policy.map(str::parse).transpose().map_err(raised)?,
         motion: motion.parse().map_err(raised)?,
-        learner,
-        learning: options,
-        known,
+        learning,
         ..SessionRequest::default()
     };
     let folder = Arc::new(Folder::new(out)?);
@@ -279,7 +277,7 @@ pub fn learn(
     let Session { babbled, folder, own, .. } = session.get();
     let options = match own {
         Some((own, worked)) if !asked.is_asked => Ok((own.clone(), Some(*worked))),
-        _ => asked.for_session(&babbled.session).map(|options| (options, None)),
+        _ => asked.options.for_session(&babbled.session).map(|options| (options, None)),
     };
     let (options, worked_before) = options.map_err(raised)?;
     let folder = if folder.is_temporary() { Arc::new(Folder::new(None)?) } else { folder.clone() };
@@ -435,10 +433,7 @@ pub fn open<'py>(py: Python<'py>, folder: PathBuf) -> PyResult<Bound<'py, PyTupl
     })?;
     let (babbled, learned) = computed.whole()?;
     let (babbled, folder) = (Arc::new(babbled), Arc::new(Folder::new(Some(folder))?));
-    let schema = learned.map(|(own, record)| {
-        let record = record.unwrap_or_else(|| LearningRecord::unknown(own.creature()));
-        Schema::new(own, record, babbled.clone(), folder.clone())
-    });
+    let schema = learned.map(|(own, record)| Schema::new(own, record, babbled.clone(), folder.clone()));
     if babbled.session.effort.is_none()
         && babbled.session.recording.is_none()
         && !babbled.session.engine.is_empty()

@@ -6,15 +6,13 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::arguments::{count, positive};
 use super::folders::{Force, session_folder, take_share, written_session};
+use super::learn::KNOWN_HELP;
 use super::learned::learn_and_print;
-use super::learning_arguments::{KNOWN_HELP, LearningArguments};
 use super::live::{LiveOptions, Place, rest, serve};
 use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
-use crate::babbling::PolicyName;
 use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::session::{
@@ -22,7 +20,6 @@ use crate::session::{
     SessionRequest, SessionSetup,
 };
 use crate::share::Share;
-use crate::simulation::MotionName;
 use crate::view::live::BabblingView;
 use crate::view::report::REPORT_FILE;
 
@@ -46,9 +43,6 @@ use crate::view::report::REPORT_FILE;
 pub struct BabbleArguments {
     #[command(flatten)]
     asked: SessionArguments,
-    /// Number of threads; affects only the running time [default: one per core]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Babbling")]
-    jobs: Option<u16>,
     /// The session's folder [default: the first free of sessions/CREATURE-1, -2, …]
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
@@ -78,64 +72,23 @@ pub struct BabbleArguments {
 
 /// The options of a session, stored in its file.
 #[derive(clap::Args, Clone, Serialize, Deserialize)]
-#[command(next_help_heading = "Babbling")]
 pub struct SessionArguments {
     /// The creature's MJCF or URDF file; if it has no touch sensors, some are added in memory
-    #[arg(default_value = MAX, value_name = "MODEL", help_heading = None)]
+    #[arg(default_value = MAX, value_name = "MODEL")]
     model: PathBuf,
-    /// Number of touches; the policy stages stops early once everything that can be touched is known [default: 1000; up
-    /// to 4000 for stages]
-    #[arg(long, value_parser = count)]
-    touches: Option<usize>,
-    /// Stop after this many seconds and keep what has been learned; how much depends on the computer's load [default: none]
-    #[arg(long, value_parser = positive, conflicts_with = "work")]
-    seconds: Option<f64>,
-    /// Stop after this much work, in units of about one second on one core, the same on any computer [default: 50; none with
-    /// --seconds, --touches or --motion dynamic]
-    #[arg(long, value_parser = positive)]
-    work: Option<f64>,
-    /// Seed of all random numbers: the same seed gives the same touches
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// The joints that move: a joint set named in the model (torso), all, or names separated by commas [default: torso
     /// where the model names it, else all]
-    #[arg(long)]
+    #[arg(long, help_heading = "Babbling")]
     joints: Option<JointSelection>,
-    /// How motions are chosen; every policy but random learns a schema along the way to choose by, on one thread [default:
-    /// random with disturbances, dynamic motion, --known, --skin centres or a learner other than growth; else stages]
-    #[arg(long, value_enum)]
-    policy: Option<PolicyName>,
-    /// How the body is moved: straight from posture to posture, or by servos in a simulation with gravity
-    #[arg(long, value_enum, default_value_t)]
-    motion: MotionName,
+    #[command(flatten)]
+    #[serde(flatten)]
+    request: SessionRequest,
     #[command(flatten)]
     #[serde(flatten)]
     open: ModelArguments,
-    #[command(flatten)]
-    #[serde(flatten)]
-    learning: LearningArguments,
 }
 
 impl SessionArguments {
-    /// What is asked, from now on.
-    fn request(&self, jobs: Option<u16>, share: Option<Share>) -> SessionRequest {
-        let &SessionArguments { touches, seconds, work, seed, policy, motion, ref learning, .. } = self;
-        SessionRequest {
-            touches,
-            seconds,
-            work,
-            seed,
-            jobs,
-            policy,
-            motion,
-            learner: learning.named(),
-            learning: learning.open(),
-            known: learning.known.clone(),
-            share,
-            ..SessionRequest::default()
-        }
-    }
-
     /// The options of a session; `folder` is for error messages.
     pub fn of_session(session: &Session, folder: &Path) -> Result<SessionArguments, Failure> {
         let place = folder.join(SESSION_FILE).display().to_string();
@@ -154,7 +107,8 @@ impl SessionArguments {
 }
 
 pub fn run(args: &BabbleArguments) -> Outcome {
-    let job = |asked: SessionArguments| Job::new(asked, args.jobs, args.shard, args.json, &args.live);
+    let job =
+        |asked: SessionArguments| Job::new(asked, args.asked.request.jobs, args.shard, args.json, &args.live);
     let babble = |session: BabblingSession, observers: &dyn Observer| session.babble(observers);
     match (&args.resume, args.shard, &args.out) {
         (Some(folder), ..) => {
@@ -174,8 +128,6 @@ pub fn run(args: &BabbleArguments) -> Outcome {
 /// A session that is asked for, with all that is made ready before the first touch.
 pub struct Job {
     asked: SessionArguments,
-    /// Work that is asked for, or what is chosen by default.
-    work: Option<f64>,
     embodied: Embodied,
     setup: SessionSetup,
     /// Where a page is to be served, if one is.
@@ -185,7 +137,7 @@ pub struct Job {
 
 impl Job {
     pub fn new(
-        asked: SessionArguments,
+        mut asked: SessionArguments,
         jobs: Option<u16>,
         share: Option<Share>,
         json: bool,
@@ -193,23 +145,17 @@ impl Job {
     ) -> Result<Job, Failure> {
         is_there(&asked.model, "babble")?;
         let embodied = embodied(asked.open.source(&asked.model, asked.joints.clone().unwrap_or_default()))?;
-        let request = asked.request(jobs, share);
-        let (work, setup) = (request.work(), request.setup(&embodied)?);
+        (asked.request.jobs, asked.request.share) = (jobs, share);
+        let setup = asked.request.setup(&embodied)?;
         // Whether it can be watched is told before any folder is made.
-        Ok(Job { asked, work, embodied, setup, place: live.place()?, json })
+        Ok(Job { asked, embodied, setup, place: live.place()?, json })
     }
 
     /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may
     /// choose otherwise.
     fn provenance(&self) -> Provenance {
-        let SessionSetup { babbling, policy, learning, .. } = &self.setup;
-        let asked = serde_json::to_value(SessionArguments {
-            touches: Some(babbling.touches),
-            policy: Some(*policy),
-            work: self.work,
-            learning: self.asked.learning.chosen(learning.learner),
-            ..self.asked.clone()
-        });
+        let request = self.asked.request.with_choices(&self.setup);
+        let asked = serde_json::to_value(SessionArguments { request, ..self.asked.clone() });
         // A session of files whose names are not in UTF-8 cannot be resumed.
         Provenance { command: output::command_line(), asked: asked.unwrap_or_default() }
     }
@@ -280,9 +226,6 @@ impl Job {
             tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
         }
         let result = learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.json)?;
-        if let Some(limit) = result.ended_by {
-            tell!("the search for a schema ended {limit}");
-        }
         if let Some(view) = view {
             view.done(&result.record.verdict, &result.learned.schema, lock.place().join(REPORT_FILE));
         }

@@ -12,8 +12,8 @@ use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
 use crate::named::listed;
 use crate::senses::{RecordedTouch, limb_pairs};
 use crate::session::{
-    BabbledSession, DisturbanceLevels, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer,
-    TOUCHES_FILE, TouchLog, learn_session, read_touches,
+    BabbledSession, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer, TOUCHES_FILE,
+    TouchLog, learn_session, read_touches,
 };
 use crate::simulation::MotionName;
 use crate::view::report::{REPORT_FILE, bound_in_words, error_rows, summaries, write_report};
@@ -87,7 +87,7 @@ impl Printed<'_> {
             "ended_by": { "babbling": session.effort.and_then(|effort| effort.ended_by), "learning": result.ended_by },
             "seed": session.seed,
             "policy": session.options.policy,
-            "learner": options.learner.name(),
+            "learner": options.kind().name(),
             "input": options.input().to_string(),
             "knowledge": options.knowledge(),
             "frames": options.frames.to_string(),
@@ -97,7 +97,7 @@ impl Printed<'_> {
             "undisturbed_heldout_mm": result.undisturbed_heldout_mm,
             "expected_mm": result.own_account.and_then(|account| account.expected_mm),
             "fresh_mm": result.own_account.and_then(|account| account.fresh_mm),
-            "changes": result.changes,
+            "changes": result.record.changes().collect::<Vec<_>>(),
             "session": self.folder,
         });
         output::joined(how, [measures_json(result.evaluation.as_ref()), result.record.knowledge_json()])
@@ -105,7 +105,7 @@ impl Printed<'_> {
 
     /// The short table of what was learned.
     fn print(&self) {
-        let Printed { babbled: BabbledSession { session, touches, .. }, options, result, .. } = self;
+        let Printed { babbled: BabbledSession { session, touches, .. }, result, .. } = self;
         let creature = session.agent.creature();
         say!(
             "{}: {}, {} degrees of freedom, from {} of {}",
@@ -124,22 +124,8 @@ impl Printed<'_> {
                 output::number(depth.p95)
             );
         }
-        say!(
-            "learner {} on {}: {} random initial guess{}, {:.2} s",
-            options.learner.name(),
-            options.knowledge(),
-            result.learned.initial_guesses,
-            if result.learned.initial_guesses == 1 { "" } else { "es" },
-            result.record.seconds.unwrap_or_default()
-        );
-        if let Some(known) = options.known_words(creature) {
-            say!("prior knowledge of joints: {known}");
-        }
-        if options.disturbances != DisturbanceLevels::default() {
-            say!("disturbances: {}", options.disturbances);
-        }
+        result.record.facts.iter().for_each(|(name, value)| say!("{name}: {value}"));
         print_knowledge(&result.record);
-        result.changes.iter().for_each(|change| say!("{change}"));
         say!("");
         match &result.evaluation {
             None => self.print_own_account(),
@@ -166,7 +152,7 @@ impl Printed<'_> {
             );
         }
         let strongest = LevenbergMarquardt.name();
-        if ![strongest, PartByPart.name()].contains(&options.learner.name()) {
+        if ![strongest, PartByPart.name()].contains(&options.kind().name()) {
             return format!(
                 "`bodyschema learn {folder} --learner {strongest}` learns from the same touches with the strongest learner"
             );

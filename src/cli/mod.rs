@@ -13,7 +13,6 @@ macro_rules! tell {
     ($($text:tt)*) => { $crate::cli::output::message(format_args!($($text)*)) };
 }
 
-mod arguments;
 mod babble;
 mod calibrate;
 mod completions;
@@ -23,7 +22,6 @@ mod folders;
 mod inspect;
 mod learn;
 mod learned;
-mod learning_arguments;
 mod live;
 mod open;
 mod output;

@@ -105,18 +105,15 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let touches = read_log(what, &session.agent)?;
     let record = LearningRecord::read(what, creature)?;
     let truth = known_truth(&session, args.model.as_deref())?;
-    let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
-    let tone = record.as_ref().map(Tone::of);
-    let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
     Ok(LookedAt {
         name,
         schema,
         appearance: truth.as_ref().map(|truth| truth.appearance.clone()),
         truth: truth.map(|truth| truth.schema),
-        certainty,
+        certainty: record.certainty(),
         touches,
-        verdict,
-        tone,
+        tone: Some(Tone::of(&record)),
+        verdict: record.verdict,
         agent: session.agent,
     })
 }

@@ -49,14 +49,7 @@ pub(super) fn couple(
     dof_of_joint: &[Option<usize>],
     reference: impl Fn(usize) -> f64,
 ) -> Result<(), Error> {
-    let name = |joint: usize| joint_name(model, joint);
-    // Of several couplings of a joint the first counts.
-    let mut couplings: BTreeMap<usize, (Option<usize>, [f64; 5])> = BTreeMap::new();
-    for equality in model.equalities() {
-        if let Equality::Joint { follower, leader, polynomial } = equality {
-            couplings.entry(follower).or_insert((leader.filter(|leader| *leader != follower), polynomial));
-        }
-    }
+    let (name, couplings) = (|joint: usize| joint_name(model, joint), joint_couplings(model));
     for (&joint, &(mut leader, own)) in &couplings {
         let Some(follower) = dof_of_joint[joint] else { continue };
         let (mut polynomial, mut way) = (own.to_vec(), vec![joint]);
@@ -103,6 +96,18 @@ pub(super) fn couple(
         dofs[follower].follows = Some(coupling);
     }
     Ok(())
+}
+
+/// The joints that a model couples: which other one each follows, if any, and by which polynomial. Of several couplings of a
+/// joint the first counts.
+pub(crate) fn joint_couplings(model: &Model) -> BTreeMap<usize, (Option<usize>, [f64; 5])> {
+    let mut couplings = BTreeMap::new();
+    for equality in model.equalities() {
+        if let Equality::Joint { follower, leader, polynomial } = equality {
+            couplings.entry(follower).or_insert((leader.filter(|leader| *leader != follower), polynomial));
+        }
+    }
+    couplings
 }
 
 /// The value of a polynomial by its coefficients, the constant first.

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 pub use appearance::{Appearance, VisiblePart};
 pub use body::{Body, Segment};
 pub use coupling::Coupling;
+pub(crate) use coupling::joint_couplings;
 pub(crate) use from_model::{LIMB_TUPLE, UNLIMITED_SLIDE, limb_bodies, limits, matrix, span};
 pub(crate) use names::{body_name, free_name, joint_name, site_name};
 pub use posture::{DofElement, Posture, ball, turn_ball};

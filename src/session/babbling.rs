@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
-use super::shares::{BabbledShares, ShareRecord, bouts_of_share};
+use super::shares::{MadeShares, ShareRecord, bouts_of, time_spent};
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
@@ -15,7 +15,7 @@ use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
 use crate::session::{
     BabblingEffort, BabblingProgress, BoutLine, BoutLog, FolderLock, SESSION_FILE, Session, SessionOptions,
-    TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+    TOUCHES_FILE, TouchWriter, model_hash, read_bouts, read_touches,
 };
 use crate::share::Share;
 use crate::simulation::{Effort, MotionName};
@@ -62,12 +62,18 @@ pub struct BabblingSession<'a> {
     begun: bool,
     /// Of a share, the bouts and what each cost.
     bouts: Option<BoutLog>,
-    /// The bouts that need not be made again.
+    before: Before,
+}
+
+/// What need not be made again of a session that is resumed.
+#[derive(Default)]
+struct Before {
+    /// Whole bouts.
     done: BoutsDone,
     /// The time that they took.
     spent: Duration,
     /// Their touches.
-    made: Vec<RecordedTouch>,
+    touches: Vec<RecordedTouch>,
 }
 
 /// A session of which all touches are made.
@@ -82,18 +88,6 @@ pub struct BabbledSession {
 }
 
 impl<'a> BabblingSession<'a> {
-    /// One of which nothing is made yet.
-    fn of(
-        embodied: &'a Embodied,
-        setup: &'a SessionSetup,
-        lock: &FolderLock,
-        session: Session,
-    ) -> BabblingSession<'a> {
-        let (folder, done, spent) = (lock.folder().to_path_buf(), BoutsDone::default(), Duration::ZERO);
-        let (log, bouts, made) = (None, None, Vec::new());
-        BabblingSession { embodied, setup, folder, session, log, begun: false, bouts, done, spent, made }
-    }
-
     /// Begins a session in a folder, which is its writer's alone; keep the lock until all is done.
     ///
     /// # Errors
@@ -115,7 +109,8 @@ impl<'a> BabblingSession<'a> {
         session.write(folder)?;
         let log = Some(TouchWriter::create(folder, embodied.agent())?);
         let bouts = setup.share.map(|_| BoutLog::go_on(folder, &[])).transpose()?;
-        Ok(BabblingSession { log, bouts, begun: true, ..BabblingSession::of(embodied, setup, lock, session) })
+        let (folder, before) = (folder.to_path_buf(), Before::default());
+        Ok(BabblingSession { embodied, setup, folder, session, log, begun: true, bouts, before })
     }
 
     /// Begins the share of the setup in its folder, or goes on with what is there of it.
@@ -145,11 +140,11 @@ impl<'a> BabblingSession<'a> {
         let folder = lock.folder();
         check_same(&session, embodied, folder)?;
         let (agent, log_file) = (embodied.agent(), folder.join(TOUCHES_FILE));
-        let mut resumed = BabblingSession::of(embodied, setup, lock, session);
-        if let Some(effort) = &resumed.session.effort {
+        let (mut before, place) = (Before::default(), folder.to_path_buf());
+        if let Some(effort) = &session.effort {
             let wanted = effort.touches.unwrap_or(setup.babbling.touches);
-            resumed.made = read_touches(&log_file, agent)?.touches;
-            let found = resumed.made.len();
+            before.touches = read_touches(&log_file, agent)?.touches;
+            let found = before.touches.len();
             if found != wanted {
                 let reason = format!(
                     "it has {found} of {wanted} touches although babbling was complete: lines were added or lost; \
@@ -157,37 +152,39 @@ impl<'a> BabblingSession<'a> {
                 );
                 return Err(Error::unfit(&log_file, reason));
             }
-            return Ok(resumed);
+            let (log, begun, bouts, folder) = (None, false, None, place);
+            return Ok(BabblingSession { embodied, setup, folder, session, log, begun, bouts, before });
         }
         // The bouts that are done: those of a share one by one, those of a session at random in all.
         let mut lines = Vec::new();
         if let Some(share) = setup.share {
-            lines = bouts_of_share(folder, share)?;
+            lines = read_bouts(folder, share)?;
             for line in &lines {
-                resumed.done.bouts += 1;
-                resumed.done.touches += line.touches;
-                resumed.done.effort += line.effort;
+                before.done.bouts += 1;
+                before.done.touches += line.touches;
+                before.done.effort += line.effort;
             }
         } else if let Some(progress) = BabblingProgress::read(folder)
             && let Ok(spent) = Duration::try_from_secs_f64(progress.effort.babbling_s)
             && setup.policy == PolicyName::Random
         {
-            (resumed.done, resumed.spent) = (progress.done(), spent);
+            (before.done, before.spent) = (progress.done(), spent);
         }
         let mut log = TouchWriter::resume(folder, agent)?;
-        let touches = resumed.done.touches;
+        let touches = before.done.touches;
         if log.skip(touches)? < touches {
             // The disk lost some: all are made once more.
             drop(log);
             log = TouchWriter::resume(folder, agent)?;
-            (resumed.done, resumed.spent) = (BoutsDone::default(), Duration::ZERO);
+            before = Before::default();
             lines.clear();
         } else if touches > 0 {
-            resumed.made = read_touches(&log_file, agent)?.touches;
-            resumed.made.truncate(touches);
+            before.touches = read_touches(&log_file, agent)?.touches;
+            before.touches.truncate(touches);
         }
         let bouts = setup.share.map(|_| BoutLog::go_on(folder, &lines)).transpose()?;
-        Ok(BabblingSession { log: Some(log), bouts, ..resumed })
+        let (log, begun, folder) = (Some(log), false, place);
+        Ok(BabblingSession { embodied, setup, folder, session, log, begun, bouts, before })
     }
 
     /// Whether all touches are made.
@@ -202,7 +199,7 @@ impl<'a> BabblingSession<'a> {
 
     /// How many touches are there already.
     pub(crate) fn made(&self) -> usize {
-        self.made.len()
+        self.before.touches.len()
     }
 
     /// Babbles what is missing, and writes every touch into the log as soon as it is made. A share counts as made, though it
@@ -229,17 +226,20 @@ impl<'a> BabblingSession<'a> {
     /// at the end, as where bouts brought few touches, is babbled.
     pub(crate) fn put_together(
         self,
-        shares: &BabbledShares,
+        shares: &MadeShares<Session>,
         observer: &dyn Observer,
     ) -> Result<BabbledSession, Error> {
         let (model, options) = (self.embodied.model(), &self.setup.babbling);
         let agent = self.embodied.agent();
         // Where this was interrupted before, their time is counted already.
-        let spent = if self.made.is_empty() { shares.spent() } else { self.spent };
-        BabblingSession { spent, ..self }.make(observer, |babbler, done, receive| {
-            let effort = babbler.put_together(done, options, shares.bouts(agent)?, receive);
-            Ok((effort.map_err(Error::of_model(model))?, None))
-        })
+        let spent = if self.before.touches.is_empty() { time_spent(shares) } else { self.before.spent };
+        BabblingSession { before: Before { spent, ..self.before }, ..self }.make(
+            observer,
+            |babbler, done, receive| {
+                let effort = babbler.put_together(done, options, bouts_of(shares, agent)?, receive);
+                Ok((effort.map_err(Error::of_model(model))?, None))
+            },
+        )
     }
 
     /// Writes touches into the log as they are made, in whatever way; nothing is done where all are.
@@ -252,18 +252,8 @@ impl<'a> BabblingSession<'a> {
             &mut dyn FnMut(Made) -> Result<(), Error>,
         ) -> Result<(Effort, Option<Growth>), Error>,
     ) -> Result<BabbledSession, Error> {
-        let BabblingSession {
-            embodied,
-            setup,
-            folder,
-            mut session,
-            log,
-            begun,
-            mut bouts,
-            done,
-            spent,
-            mut made,
-        } = self;
+        let BabblingSession { embodied, setup, folder, mut session, log, begun, mut bouts, before } = self;
+        let Before { done, spent, touches: mut made } = before;
         let Some(mut log) = log else { return Ok(BabbledSession { session, touches: made, grown: None }) };
         let babbler =
             embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
@@ -341,8 +331,8 @@ fn new_session(embodied: &Embodied, setup: &SessionSetup, provenance: Provenance
             joints: source.joints.to_string(),
             root: source.root.clone(),
             input: Some(learning.input().to_string()),
-            learner: Some(learning.learner.name().to_string()),
-            known: learning.known.as_ref().map(|known| known.path.display().to_string()),
+            learner: Some(learning.kind().name().to_string()),
+            known: learning.known.as_ref().map(|known| known.display().to_string()),
             policy: Some(setup.policy.to_string()),
             motion: Some(setup.motion)
                 .filter(|motion| *motion != MotionName::default())

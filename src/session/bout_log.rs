@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{BOUTS_FILE, files, write_whole};
 use crate::error::Error;
+use crate::share::Share;
 use crate::simulation::Effort;
 
 /// A line of [`BOUTS_FILE`].
@@ -68,34 +69,30 @@ fn write(to: &mut Vec<u8>, bout: &BoutLine) -> io::Result<()> {
     writer.flush()
 }
 
-/// Reads the bouts in `folder`'s [`BOUTS_FILE`]; `None` if there is no such file. What follows on the last whole line, as a
-/// killed process or a power failure leaves it, is left out.
+/// Reads the whole bouts of a share in its `folder`, with which the share begins; none if there is no [`BOUTS_FILE`]. What
+/// follows on the last whole line, as a killed process or a power failure leaves it, is left out.
 ///
 /// # Errors
-/// If it cannot be read, or if a line is no bout's.
-pub fn read_bouts(folder: &Path) -> Result<Vec<BoutLine>, Error> {
+/// If it cannot be read, or if a line is not that of the share's next bout.
+pub fn read_bouts(folder: &Path, share: Share) -> Result<Vec<BoutLine>, Error> {
     let path = folder.join(BOUTS_FILE);
     let bytes = match files::read(&path) {
-        Err(error) if error.system() == Some(io::ErrorKind::NotFound) => {
-            return Ok(Vec::new());
-        }
+        Err(error) if error.system() == Some(io::ErrorKind::NotFound) => return Ok(Vec::new()),
         read => read?,
     };
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&bytes[..whole]);
-    let mut bouts = Vec::new();
-    for (k, bout) in reader.deserialize().enumerate() {
-        let refuse = |what: String| {
-            let mend = "remove the share's folder and make the share again";
-            Error::content(&path, Some(k + 1), format!("{what}: {mend}"))
+    let bout = |(k, bout): (usize, csv::Result<BoutLine>)| {
+        let wanted = share.piece(k as u64);
+        let fault = match bout {
+            Ok(bout) if bout.bout == wanted => return Ok(bout),
+            Ok(other) => format!("it is of bout {}, not {wanted}", other.bout),
+            Err(error) => format!("not a bout ({error})"),
         };
-        let bout: BoutLine = bout.map_err(|error| refuse(format!("not a bout ({error})")))?;
-        if bouts.last().is_some_and(|last: &BoutLine| last.bout >= bout.bout) {
-            return Err(refuse(format!("bout {} is out of order", bout.bout)));
-        }
-        bouts.push(bout);
-    }
-    Ok(bouts)
+        let mend = format!("lines were added or lost; remove {} and make the share again", folder.display());
+        Err(Error::content(&path, Some(k + 1), format!("{fault}: {mend}")))
+    };
+    reader.deserialize().enumerate().map(bout).collect()
 }
 
 #[cfg(test)]
@@ -107,6 +104,8 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let effort = Effort { motions: 9, bare: 2, simulated_s: 0.1 + 0.2, ..Effort::default() };
         let bouts = [0, 3, 6].map(|bout| BoutLine { bout, touches: 25, effort });
+        let share = Share::new(1, 3).unwrap();
+        let read_bouts = |folder: &Path| read_bouts(folder, share);
         assert_eq!(read_bouts(place.path()).unwrap(), []);
         let mut log = BoutLog::go_on(place.path(), &bouts[..1]).unwrap();
         log.write(&bouts[1]).unwrap();
@@ -119,7 +118,7 @@ mod tests {
         assert_eq!(read, bouts[..2]);
         BoutLog::go_on(place.path(), &read).unwrap().write(&bouts[2]).unwrap();
         assert_eq!(read_bouts(place.path()).unwrap(), bouts);
-        for (lines, line) in [("0,25,9\n", "line 1"), ("3,1,9,0,2,0,0,0.0\n3,1,9,0,2,0,0,0.0\n", "line 2")] {
+        for (lines, line) in [("0,25,9\n", "line 1"), ("0,1,9,0,2,0,0,0.0\n0,1,9,0,2,0,0,0.0\n", "line 2")] {
             std::fs::write(&path, lines).unwrap();
             let message = read_bouts(place.path()).unwrap_err().to_string();
             assert!(message.contains(line) && message.contains("make the share again"), "{message}");

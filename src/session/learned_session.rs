@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::babbling::BabbledSession;
-use super::learning_options::DisturbanceLevels;
-use super::learning_options::LearningOptions;
+use super::learning_options::{DisturbanceLevels, LearningOptions};
+use super::learning_record::CHANGE;
 use super::observer::{LearningStep, Observer, Phase};
 use crate::agent::Agent;
 use crate::creature::Creature;
@@ -32,8 +32,6 @@ pub struct LearnedSession {
     pub learned: Learned,
     /// What is said of it, as it is written down: every output has it from here.
     pub record: LearningRecord,
-    /// How the body changed as the learner understood it, in sentences.
-    pub changes: Vec<String>,
     /// What ended the search for an answer where there was more to be tried; `None` if nothing did.
     pub ended_by: Option<Limit>,
     /// The errors; `None` if the truth is not at hand.
@@ -62,7 +60,7 @@ pub fn learn_session(
 ) -> Result<LearnedSession, Error> {
     let BabbledSession { session, touches, grown } = babbled;
     let (agent, given) = (&session.agent, options.givens());
-    let each = options.learner.learns_each_touch(&given);
+    let each = options.kind().learns_each_touch(&given);
     observer.phase(Phase::Learning { touches: touches.len(), each });
     let disturbances = options.disturbances.disturbances();
     let felt = disturbances.felt(agent, touches, options.input(), session.seed);
@@ -73,9 +71,9 @@ pub fn learn_session(
     // Without the truth a fit on the way tells nothing that the last does not.
     let due = match truth {
         None if !each => Vec::new(),
-        _ => options.learner.checkpoints(&given, touches.len()),
+        _ => options.kind().checkpoints(&given, touches.len()),
     };
-    let predicts = options.learner.predicts(&given);
+    let predicts = options.kind().predicts(&given);
     let passed = vec![(0, options.initial_guess(agent, session.seed))];
     let mut table = LearningTable { agent, truth, rows: Vec::new(), passed };
     let (mut seconds, mut ended_by, mut result) = (0.0, None, None);
@@ -123,7 +121,7 @@ pub fn learn_session(
     });
     observer.phase(Phase::Done);
     let tells = truth.is_none()
-        && options.learner.uses().surfaces
+        && options.kind().uses().surfaces
         && options.skin == SkinKnowledge::Surface
         && options.frames == LimbFrames::Joint;
     let own_account = if tells { OwnAccount::new(&felt.agent, &felt.touches, &learned) } else { None };
@@ -140,8 +138,7 @@ pub fn learn_session(
     let path = folder.join(LEARNED_FILE);
     write_whole(&path, to_mjcf(agent, &learned.schema).as_bytes()).map_err(Error::unwritable(&path))?;
     record.write(folder, creature)?;
-    let changes = changes(creature, &learned);
-    Ok(LearnedSession { learned, record, changes, ended_by, evaluation, own_account, undisturbed_heldout_mm })
+    Ok(LearnedSession { learned, record, ended_by, evaluation, own_account, undisturbed_heldout_mm })
 }
 
 /// What is said of a schema that was learned from so many of a session's touches in so many seconds.
@@ -252,7 +249,7 @@ fn facts(
     seconds: f64,
 ) -> Vec<(String, String)> {
     let mut facts =
-        vec![("learner", options.learner.name().to_string()), ("knowledge", options.knowledge().to_string())];
+        vec![("learner", options.kind().name().to_string()), ("knowledge", options.knowledge().to_string())];
     if options.frames == LimbFrames::Limb {
         facts.push(("frames of limbs", "their own, learned".to_string()));
     }
@@ -264,7 +261,7 @@ fn facts(
     }
     facts.push(("random initial guesses", learned.initial_guesses.to_string()));
     facts.push(("learning", format!("{seconds:.2} s")));
-    facts.extend(changes(session.agent.creature(), learned).into_iter().map(|change| ("change", change)));
+    facts.extend(changes(session.agent.creature(), learned).into_iter().map(|change| (CHANGE, change)));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 

@@ -12,9 +12,13 @@ use crate::babbling::PolicyName;
 use crate::creature::{Creature, DofKind};
 use crate::deadline::Deadline;
 use crate::error::Error;
+#[cfg(feature = "cli")]
+use crate::given_number::not_negative;
 use crate::learning::growth::Growth;
 use crate::learning::initial_guess::random_guess;
-use crate::learning::learners::{LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart};
+use crate::learning::learners::{
+    LEARNERS, LearnerGivens, LearnerKind, LearnerUses, PartByPart, learner_kind,
+};
 use crate::learning::{
     Input, KnownJoint, Learner, LearnerInUnit, LengthUnit, LimbFrames, SecondOrder, SkinKnowledge,
 };
@@ -24,55 +28,44 @@ use crate::senses::Disturbances;
 use crate::session::{Session, read_known};
 use crate::skin::Receptor;
 
-/// How to learn.
-#[derive(Clone)]
+/// How to learn. What is left open is chosen by the touches.
+#[derive(Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args), command(next_help_heading = "Learning"))]
 pub struct LearningOptions {
-    /// The kind of learner.
-    pub learner: &'static dyn LearnerKind,
-    /// What a touch reports; where it is left out receptors, or of a recording what it holds.
+    /// The learner [default: growth for touches made by stages, if surfaces are known and nothing is disturbed; else lm]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = learners()))]
+    pub learner: Option<&'static dyn LearnerKind>,
+    /// What a touch reports [default: receptor; for a recording, whatever it contains]
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub input: Option<Input>,
-    /// What the agent knows about its skin.
+    /// What the agent knows about its skin
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     pub skin: SkinKnowledge,
-    /// Which frames points on limbs are given in.
+    /// The frames in which points on limbs are given (limb needs the learner lm and --input contact)
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     pub frames: LimbFrames,
-    /// What is known of joints before the first touch.
-    pub known: Option<KnownFile>,
+    /// Prior knowledge of joints, for the learner lm: a schema.json with all or some of its joints. A joint without deviations
+    /// is exact and stays fixed; position_std (metres) and axis_std (radians) are standard deviations of a prior
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub known: Option<PathBuf>,
     /// What is wrong with the agent's senses.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    #[serde(flatten)]
     pub disturbances: DisturbanceLevels,
+    /// The joints in the file `known`, once it is read.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    #[serde(skip)]
+    pub known_joints: Vec<KnownJoint>,
     /// After which it learns from what it has.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    #[serde(skip)]
     pub deadline: Deadline,
 }
 
-/// What is known of joints, and the file that says so.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KnownFile {
-    /// The file.
-    pub path: PathBuf,
-    /// What it says of the joints of a creature.
-    pub joints: Vec<KnownJoint>,
-}
-
-impl Default for LearningOptions {
-    fn default() -> LearningOptions {
-        LearningOptions {
-            learner: LEARNERS[0],
-            input: None,
-            skin: SkinKnowledge::default(),
-            frames: LimbFrames::default(),
-            known: None,
-            disturbances: DisturbanceLevels::default(),
-            deadline: Deadline::Never,
-        }
-    }
-}
-
 impl LearningOptions {
-    /// The learner of touches that a policy made, where none is named; of a recording's, where there was none.
-    pub fn default_learner(policy: Option<PolicyName>) -> &'static dyn LearnerKind {
-        match policy {
-            Some(PolicyName::Stages) => &PartByPart,
-            _ => LEARNERS[0],
-        }
+    /// The learner: the default one unless another was chosen.
+    pub fn kind(&self) -> &'static dyn LearnerKind {
+        self.learner.unwrap_or(LEARNERS[0])
     }
 
     /// Whether a body can grow part by part with what is given: by receptors on known surfaces or from contact points,
@@ -95,53 +88,57 @@ impl LearningOptions {
             input: self.input(),
             skin: self.skin,
             frames: self.frames,
-            known: self.known.as_ref().map_or(Vec::new(), |known| known.joints.clone()),
+            known: self.known_joints.clone(),
         }
     }
 
-    /// These options for a creature, with what a file says of its joints if there is one: a `schema.json`, whole or with some
-    /// of them.
+    /// These options for a creature, with all that was left open: the learner that suits touches by a policy (`None` if they
+    /// were recorded), and the joints in the file of prior knowledge.
     ///
     /// # Errors
-    /// If the file cannot be read, or the options exclude one another.
-    pub fn knowing(self, known: Option<&Path>, creature: &Creature) -> Result<LearningOptions, Error> {
-        let mut options = self;
-        if let Some(path) = known {
-            options.check_frames(creature, true)?;
-            if !options.learner.uses().known_joints {
+    /// If that file cannot be read, or the options exclude one another.
+    pub(super) fn chosen(
+        mut self,
+        policy: Option<PolicyName>,
+        creature: &Creature,
+    ) -> Result<LearningOptions, Error> {
+        let grown = policy == Some(PolicyName::Stages) && self.grows();
+        let learner = self.learner.unwrap_or(if grown { &PartByPart } else { LEARNERS[0] });
+        self.learner = Some(learner);
+        self.check(creature)?;
+        if let Some(path) = &self.known {
+            if !learner.uses().known_joints {
                 let reason = format!(
                     "the learner {} does not use prior knowledge: use --learner {}, or leave out --known",
-                    options.learner.name(),
+                    learner.name(),
                     learners_that(|uses| uses.known_joints)
                 );
                 return Err(Error::unfit(path, reason));
             }
-            let joints = read_known(path, creature)?;
-            options.known = Some(KnownFile { path: path.to_path_buf(), joints });
+            self.known_joints = read_known(path, creature)?;
         }
-        options.check(creature)?;
-        Ok(options)
+        Ok(self)
     }
 
     /// Whether a creature can be learned with these options.
     pub(crate) fn check(&self, creature: &Creature) -> Result<(), Error> {
-        if self.learner.uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
+        if self.kind().uses().surfaces_alone && self.skin != SkinKnowledge::Surface {
             return Err(Error::usage(format!(
                 "--learner {} needs the surfaces under receptors: leave out --skin, or use --learner {}",
-                self.learner.name(),
+                self.kind().name(),
                 LEARNERS[0].name()
             )));
         }
-        self.check_frames(creature, self.known.is_some())
+        self.check_frames(creature)
     }
 
-    /// Whether the limbs' frames can be found, where joints are known a priori or not.
-    fn check_frames(&self, creature: &Creature, known: bool) -> Result<(), Error> {
+    /// Whether the limbs' frames can be found.
+    fn check_frames(&self, creature: &Creature) -> Result<(), Error> {
         if self.frames == LimbFrames::Joint {
             return Ok(());
         }
         let refuse = |why: &str| Err(Error::usage(format!("--frames limb: {why}")));
-        if !self.learner.uses().limb_frames {
+        if !self.kind().uses().limb_frames {
             let able = learners_that(|uses| uses.limb_frames);
             return refuse(&format!(
                 "only the learner {able} estimates the limbs' frames: use --learner {able}"
@@ -152,7 +149,7 @@ impl LearningOptions {
                 "receptors are too coarse to determine the orientation of a round limb in its frame: use --input contact",
             );
         }
-        if known {
+        if self.known.is_some() {
             return refuse("joints cannot have prior knowledge: leave out --known");
         }
         match creature.dofs().find(|dof| dof.kind == DofKind::Ball) {
@@ -165,21 +162,27 @@ impl LearningOptions {
         }
     }
 
-    /// These options for a session's touches: those of a recording report what the recording holds.
+    /// These options for a session's touches, with all that was left open; those of a recording report what the recording
+    /// holds.
     ///
     /// # Errors
-    /// Where receptors are asked for and the recording has none.
+    /// If receptors are asked for and the recording has none, the file of prior knowledge cannot be read, or the options exclude
+    /// one another.
     pub fn for_session(&self, session: &Session) -> Result<LearningOptions, Error> {
-        let Some(recording) = &session.recording else { return Ok(self.clone()) };
-        let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
-        if self.input == Some(Input::Receptor) && session.agent.skin().receptors.iter().any(bare) {
-            return Err(Error::unfit(
-                Path::new(&recording.log),
-                "its touches are points on limbs without a skin: use --input contact, or leave out --input",
-            ));
+        let mut options = self.clone();
+        if let Some(recording) = &session.recording {
+            let bare = |receptor: &Receptor| receptor.surface.is_none() && receptor.half_extents == [0.0; 2];
+            if self.input == Some(Input::Receptor) && session.agent.skin().receptors.iter().any(bare) {
+                return Err(Error::unfit(
+                    Path::new(&recording.log),
+                    "its touches are points on limbs without a skin: use --input contact, or leave out --input",
+                ));
+            }
+            let recorded = session.options.input.as_deref().and_then(|input| input.parse().ok());
+            options.input = self.input.or(recorded);
         }
-        let recorded = session.options.input.as_deref().and_then(|input| input.parse().ok());
-        Ok(LearningOptions { input: self.input.or(recorded), ..self.clone() })
+        let policy = session.options.policy.as_deref().and_then(|policy| policy.parse().ok());
+        options.chosen(policy, session.agent.creature())
     }
 
     /// The learner of a body, whose random numbers come from `seed`.
@@ -193,8 +196,8 @@ impl LearningOptions {
         LearnerInUnit::of(agent, |agent, unit| {
             let known = given.known.iter().map(|known| unit.known(known)).collect();
             let given = LearnerGivens { known, ..given };
-            let goes_on = grown.and_then(|grown| self.learner.goes_on(agent, &given, grown, seed));
-            goes_on.unwrap_or_else(|| self.learner.learner(agent, &given, seed))
+            let goes_on = grown.and_then(|grown| self.kind().goes_on(agent, &given, grown, seed));
+            goes_on.unwrap_or_else(|| self.kind().learner(agent, &given, seed))
         })
     }
 
@@ -202,7 +205,7 @@ impl LearningOptions {
     pub fn knowledge(&self) -> &'static str {
         match (self.input(), self.skin) {
             (Input::Contact, _) => "contact points",
-            (Input::Receptor, SkinKnowledge::Surface) if self.learner.uses().surfaces => {
+            (Input::Receptor, SkinKnowledge::Surface) if self.kind().uses().surfaces => {
                 "receptors and the surfaces under them"
             }
             (Input::Receptor, _) => "receptor centres",
@@ -225,20 +228,28 @@ impl LearningOptions {
 
     /// The prior knowledge, in JSON: the file, and its joints with whether they were exact.
     pub(crate) fn known_json(&self, creature: &Creature) -> Value {
-        let Some(known) = &self.known else { return Value::Null };
+        let Some(file) = &self.known else { return Value::Null };
         let joint = |known: &KnownJoint| json!({ "joint": creature.joints()[known.joint].name, "exact": known.exact });
-        json!({ "file": known.path, "joints": known.joints.iter().map(joint).collect::<Vec<_>>() })
+        json!({ "file": file, "joints": self.known_joints.iter().map(joint).collect::<Vec<_>>() })
     }
 
     /// The same in words.
     pub(crate) fn known_words(&self, creature: &Creature) -> Option<String> {
-        let known = self.known.as_ref()?;
+        self.known.as_ref()?;
         let named = |exact: bool| {
-            let joints = known.joints.iter().filter(|known| known.exact == exact);
+            let joints = self.known_joints.iter().filter(|known| known.exact == exact);
             listed(&joints.map(|known| creature.joints()[known.joint].name.clone()).collect::<Vec<_>>())
         };
         Some(format!("exactly {}; nearly {}", named(true), named(false)))
     }
+}
+
+/// The learners on the command line, by name.
+#[cfg(feature = "cli")]
+fn learners() -> impl clap::builder::TypedValueParser<Value = &'static dyn LearnerKind> {
+    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+    let choices = LEARNERS.iter().map(|learner| PossibleValue::new(learner.name()).help(learner.about()));
+    PossibleValuesParser::new(choices).try_map(|name| learner_kind(&name).ok_or("unknown learner"))
 }
 
 /// The names of the learners that can use something.
@@ -256,11 +267,11 @@ fn learners_that(can: fn(LearnerUses) -> bool) -> String {
 )]
 pub struct DisturbanceLevels {
     /// Standard deviation of every joint angle in every touch, degrees
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = deviation))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = not_negative))]
     #[serde(rename = "joint_noise_deg")]
     pub joint_noise: f64,
     /// Standard deviation, per coordinate, of the receptor positions that the agent is given, millimetres
-    #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = not_negative))]
     #[serde(rename = "receptor_noise_mm")]
     pub receptor_noise: f64,
     /// Share of touches with a wrong receptor at one end, at least 0 and below 1
@@ -268,7 +279,7 @@ pub struct DisturbanceLevels {
     pub false_touches: f64,
     /// Standard deviation, per coordinate, of both points of contact in every touch, millimetres; affects only `--input
     /// contact`
-    #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = deviation))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MM", default_value_t = 0.0, value_parser = not_negative))]
     #[serde(rename = "point_noise_mm")]
     pub point_noise: f64,
 }
@@ -304,13 +315,6 @@ impl std::fmt::Display for DisturbanceLevels {
             all.into_iter().filter(|(amount, _)| *amount > 0.0).map(|(_, words)| words).collect();
         f.write_str(if present.is_empty() { "none".to_string() } else { present.join(", ") }.as_str())
     }
-}
-
-/// A deviation from the command line.
-#[cfg(feature = "cli")]
-fn deviation(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
-    number.ok_or("give a finite number, 0 or above".into())
 }
 
 /// A share from the command line.

@@ -16,6 +16,9 @@ use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
 
+/// What a fact is called that tells of a change of the body.
+pub(super) const CHANGE: &str = "change";
+
 /// What learning from a session's touches came to.
 ///
 /// In the file, the format's name and version come before these fields.
@@ -126,6 +129,11 @@ impl LearningRecord {
         })
     }
 
+    /// How the body changed as the learner understood it, in sentences.
+    pub fn changes(&self) -> impl Iterator<Item = &String> {
+        self.facts.iter().filter(|(name, _)| name == CHANGE).map(|(_, value)| value)
+    }
+
     /// How many directions no touch feels, and what that means for what is located.
     pub fn directions_in_words(&self) -> String {
         let count = self.open_directions.len();
@@ -154,8 +162,8 @@ impl LearningRecord {
         })
     }
 
-    /// That of a session without a record: nothing is known.
-    pub fn unknown(creature: &Creature) -> LearningRecord {
+    /// That of a schema without a record: nothing is known.
+    fn unknown(creature: &Creature) -> LearningRecord {
         LearningRecord {
             touches: usize::MAX,
             verdict: "The session does not record whether learning converged; run `bodyschema learn` again."
@@ -186,15 +194,16 @@ impl LearningRecord {
         STAMP.write(&folder.join(LEARNED_RECORD_FILE), &content)
     }
 
-    /// Reads [`LEARNED_RECORD_FILE`] of `folder`; `None` if there is no such file, as in sessions from before there was one.
+    /// Reads [`LEARNED_RECORD_FILE`] of `folder`. Without such a file, as beside a schema that was put there, nothing is known,
+    /// not even the program.
     ///
     /// # Errors
     /// If it cannot be read, or if it is no such record, one of a
     /// newer version, or of another creature.
-    pub fn read(folder: &Path, creature: &Creature) -> Result<Option<LearningRecord>, Error> {
+    pub fn read(folder: &Path, creature: &Creature) -> Result<LearningRecord, Error> {
         let path = folder.join(LEARNED_RECORD_FILE);
         if !path.exists() {
-            return Ok(None);
+            return Ok(LearningRecord::unknown(creature));
         }
         let content: LearningFile = STAMP.read(&path, "record of learning")?;
         let refuse = |message: String| Error::content(&path, None, message);
@@ -233,7 +242,7 @@ impl LearningRecord {
                 bound_rms: entry.bound_rms_mm,
             });
         }
-        Ok(Some(record))
+        Ok(record)
     }
 }
 

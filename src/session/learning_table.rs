@@ -101,16 +101,14 @@ pub fn read_learning_table(folder: &Path) -> Result<Vec<LearningRow>, Error> {
     };
     let mut rows: Vec<LearningRow> = Vec::new();
     for (k, row) in csv::Reader::from_reader(&bytes[..]).deserialize().enumerate() {
-        let row: LearningRow = row.map_err(|error: csv::Error| match error.kind() {
-            csv::ErrorKind::Deserialize { err, pos } => {
-                let field = err.field().map_or(String::new(), |field| format!("cell {}: ", field + 1));
-                let line = pos.as_ref().map_or(k + 2, |pos| pos.line() as usize);
-                refuse(line, format!("not a row of learning ({field}{})", err.kind()))
-            }
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                refuse(k + 2, format!("it has {len} cells instead of {expected_len}"))
-            }
-            _ => refuse(k + 2, format!("not a row of learning ({error})")),
+        let row: LearningRow = row.map_err(|error: csv::Error| {
+            let fault = match error.kind() {
+                csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                    format!("it has {len} cells instead of {expected_len}")
+                }
+                _ => format!("not a row of learning ({error})"),
+            };
+            refuse(k + 2, fault)
         })?;
         let before = rows.last().map_or(0, |last| last.touches);
         if !(before..=MOST_TOUCHES).contains(&row.touches) {

@@ -3,7 +3,6 @@
 
 use crate::error::{Error, Kind};
 use std::fs;
-use std::io::ErrorKind;
 use std::path::Path;
 
 use super::{SESSION_FILE, SHARES_FOLDER, STUDY_FILE, Session};
@@ -63,12 +62,6 @@ pub(crate) fn for_model(path: &Path) -> Option<String> {
         (None, None) => "it is a folder, not a model: give an MJCF or URDF file".into(),
     };
     Some(format!("{}: {what}", path.display()))
-}
-
-/// Whether a file could not be read because there is none.
-pub(super) fn is_missing(error: &Error) -> bool {
-    let kinds = [ErrorKind::NotFound, ErrorKind::NotADirectory];
-    error.system().is_some_and(|kind| kinds.contains(&kind))
 }
 
 /// Why a session has no schema, and the fix.

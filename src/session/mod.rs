@@ -42,7 +42,7 @@ pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
 pub use folder::{FolderLock, ReadLock};
 pub use in_memory::{Babbled, LearnedBody};
 pub use learned_session::{LearnedSession, learn_session};
-pub use learning_options::{DisturbanceLevels, KnownFile, LearningOptions};
+pub use learning_options::{DisturbanceLevels, LearningOptions};
 pub use learning_record::{Checkpoint, LearningRecord};
 pub use learning_table::{LearningRow, read_learning_table, write_learning_table};
 pub(crate) use log::wide_ranges;
@@ -54,15 +54,15 @@ pub use request::SessionRequest;
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};
 pub use robot::simulated;
 pub use robot::{
-    CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, apply_known, calibration_table,
-    is_mjcf, read_calibration_log, read_robot,
+    CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, calibration_table, is_mjcf,
+    read_calibration_log, read_robot,
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
 pub(crate) use session_body::{hands, learned_body, same_tree, session_body};
 pub use session_body::{model_hash, own_body};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
-pub(crate) use shares::{BabbledShares, SHARES_FOLDER, ShareRecord, Shares, Unready, made_shares};
+pub(crate) use shares::{MadeShares, SHARES_FOLDER, ShareRecord, Shares, Unready, difference, made_shares};
 pub use space::{SpaceRecord, SpaceSlice};
 pub use strokes::{StrokedSession, read_firings, record_strokes, write_firings};
 pub use touch_log::{TouchLog, read_touches};

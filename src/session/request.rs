@@ -1,7 +1,8 @@
 //! The options of a session, and the defaults for a creature.
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
 
 use super::babbling::SessionSetup;
 use super::embodied::Embodied;
@@ -9,6 +10,8 @@ use super::learning_options::LearningOptions;
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::deadline::Deadline;
 use crate::error::{Error, Result};
+#[cfg(feature = "cli")]
+use crate::given_number::{count, positive};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::senses::joint_sensors;
@@ -28,32 +31,41 @@ pub(crate) const BABBLING_SHARE: f64 = 0.65;
 pub(crate) const LEARNING_SHARE: f64 = 0.85;
 
 /// What is asked of a session. What is left open is chosen as `bodyschema babble` chooses it.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args), command(next_help_heading = "Babbling"))]
 pub struct SessionRequest {
-    /// Touches to make; left open 1000, by stages as many as determine the body, up to 4000.
+    /// Number of touches; the policy stages stops early once everything that can be touched is known [default: 1000; up
+    /// to 4000 for stages]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = count))]
     pub touches: Option<usize>,
-    /// Seconds on the clock, from `began` on, after which the session ends with what is known by then.
+    /// Stop after this many seconds and keep what has been learned; how much depends on the computer's load [default: none]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = positive, conflicts_with = "work"))]
     pub seconds: Option<f64>,
-    /// Work after which it does so, in seconds of one core; left open 50, or without limit where `touches`, `seconds`, a share
-    /// or physics are asked for.
+    /// Stop after this much work, in units of about one second on one core, the same on any computer [default: 50; none with
+    /// --seconds, --touches or --motion dynamic]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = positive))]
     pub work: Option<f64>,
-    /// When it began.
-    pub began: Instant,
-    /// Seed of all random numbers.
+    /// Seed of all random numbers: the same seed gives the same touches
+    #[cfg_attr(feature = "cli", arg(long, default_value_t = 1))]
     pub seed: u64,
-    /// Threads; left open one per core. They change nothing but the time.
-    pub jobs: Option<u16>,
-    /// How motions are chosen; left open by stages where these suit the creature and what else is asked, else at random.
+    /// How motions are chosen; every policy but random learns a schema along the way to choose by, on one thread [default:
+    /// random with disturbances, dynamic motion, --known, --skin centres or a learner other than growth; else stages]
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub policy: Option<PolicyName>,
-    /// How the body is moved.
+    /// How the body is moved: straight from posture to posture, or by servos in a simulation with gravity
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     pub motion: MotionName,
-    /// The learner; left open growth of touches that were made by stages, else Levenberg-Marquardt.
-    pub learner: Option<&'static dyn LearnerKind>,
-    /// How to learn, apart from the learner and the deadline.
+    /// Number of threads; affects only the running time [default: one per core]
+    #[cfg_attr(feature = "cli", arg(long, value_parser = clap::value_parser!(u16).range(1..=1024)))]
+    #[serde(skip)]
+    pub jobs: Option<u16>,
+    /// How to learn.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    #[serde(flatten)]
     pub learning: LearningOptions,
-    /// A file with what is known of joints: a `schema.json`, whole or with some of them.
-    pub known: Option<PathBuf>,
     /// The share of the session to babble; the other shares are made by other processes.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    #[serde(skip)]
     pub share: Option<Share>,
 }
 
@@ -63,14 +75,11 @@ impl Default for SessionRequest {
             touches: None,
             seconds: None,
             work: None,
-            began: Instant::now(),
             seed: 1,
             jobs: None,
             policy: None,
             motion: MotionName::default(),
-            learner: None,
             learning: LearningOptions::default(),
-            known: None,
             share: None,
         }
     }
@@ -92,7 +101,18 @@ impl SessionRequest {
         self.work.or((!patient).then_some(WORK))
     }
 
-    /// All that is chosen for a creature; work is counted from here on.
+    /// The same request with all that was chosen for it, so that other versions choose alike.
+    pub(crate) fn with_choices(&self, setup: &SessionSetup) -> SessionRequest {
+        SessionRequest {
+            touches: Some(setup.babbling.touches),
+            work: self.work(),
+            policy: Some(setup.policy),
+            learning: setup.learning.clone(),
+            ..self.clone()
+        }
+    }
+
+    /// All that is chosen for a creature; seconds and work are counted from here on.
     ///
     /// # Errors
     /// If the creature cannot babble, the file of known joints cannot be read, or what is asked excludes itself.
@@ -105,18 +125,22 @@ impl SessionRequest {
 
     /// The same for a creature of which it is found out elsewhere whether it can babble.
     pub(super) fn chosen(&self, embodied: &Embodied) -> Result<SessionSetup> {
+        let began = Instant::now();
         let deadline = |share: f64| match (self.work(), self.seconds) {
             (Some(work), _) => Deadline::after_work_of(share * work),
             (None, Some(seconds)) => Duration::try_from_secs_f64(share * seconds)
-                .map_or(Deadline::Asked, |time| Deadline::after(self.began, time)),
+                .map_or(Deadline::Asked, |time| Deadline::after(began, time)),
             (None, None) => Deadline::Asked,
         };
         let creature = embodied.creature();
         // Noise of a model's own joint sensors is noise as any.
         let exact = joint_sensors(embodied.body()).iter().flatten().all(|sensor| sensor.noise == 0.0);
-        let grows = exact && self.known.is_none() && self.learning.grows();
-        let asked = self.learner.is_none_or(|learner| learner.name() == PartByPart.name());
-        let stages = grows && asked && self.share.is_none() && self.motion == MotionName::Kinematic;
+        let asked = self.learning.learner.is_none_or(|learner| learner.name() == PartByPart.name());
+        let stages = exact
+            && self.learning.grows()
+            && asked
+            && self.share.is_none()
+            && self.motion == MotionName::Kinematic;
         let stages = stages && Growth::suits(creature);
         let policy = self.policy.unwrap_or(if stages { PolicyName::Stages } else { PolicyName::Random });
         if let Some(share) = self.share.filter(|_| policy != PolicyName::Random) {
@@ -125,11 +149,8 @@ impl SessionRequest {
                  --shard, or use --policy random"
             )));
         }
-        let learner = LearningOptions::default_learner(Some(policy).filter(|_| grows));
-        let learner = self.learner.unwrap_or(learner);
-        let learning =
-            LearningOptions { learner, deadline: deadline(LEARNING_SHARE), ..self.learning.clone() };
-        let learning = learning.knowing(self.known.as_deref(), creature)?;
+        let learning = LearningOptions { deadline: deadline(LEARNING_SHARE), ..self.learning.clone() };
+        let learning = learning.chosen(Some(policy).filter(|_| exact), creature)?;
         let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
         let touches = self.touches.unwrap_or(most);
         let babbling = BabblingOptions { touches, seed: self.seed, jobs: threads(self.jobs) };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
@@ -107,8 +107,9 @@ pub fn write_schema(
         let message = "the standard deviations do not match the schema: give one for each of its numbers";
         return Err(Error::content(path, None, message));
     }
-    check(creature, schema).map_err(|message| Error::content(path, None, message))?;
+    check_shape(creature, schema).map_err(|message| Error::content(path, None, message))?;
     let joints = joint_entries(creature, schema, std);
+    schema_of_joints(&joints, creature).map_err(|message| Error::content(path, None, message))?;
     STAMP.write(path, &SchemaFile { creature: Some(creature.name().into()), joints })
 }
 
@@ -161,7 +162,7 @@ pub fn read_schema_with_std(
 ) -> Result<(BodySchema, Option<SchemaStd>), Error> {
     let content: SchemaFile = STAMP.read(path, "body schema").map_err(|error| {
         let session = path.parent().filter(|folder| folder.join(SESSION_FILE).exists());
-        match session.filter(|_| mistaken::is_missing(&error)) {
+        match session.filter(|_| error.is_missing()) {
             Some(folder) => mistaken::for_schema(folder),
             None => error,
         }
@@ -431,7 +432,7 @@ fn schema_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<Bod
             schema.limb_poses[*index] = pose;
         }
     }
-    check(creature, &schema).map(|()| schema)
+    check_shape(creature, &schema).map(|()| schema)
 }
 
 /// The standard deviations of all joints; `None` if none is given.
@@ -462,26 +463,14 @@ fn std_of(joints: &[(usize, &JointEntry)], creature: &Creature) -> Result<Option
     }
 }
 
-fn check(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
-    if !schema.fits(creature) {
-        return Err(format!(
-            "the schema does not have {} finite positions and {} finite axes: give a schema of {}",
-            creature.joints().len(),
-            creature.dof_elements(),
-            creature.name()
-        ));
+fn check_shape(creature: &Creature, schema: &BodySchema) -> Result<(), String> {
+    if schema.fits(creature) {
+        return Ok(());
     }
-    for (joint, pose) in creature.joints().iter().zip(&schema.limb_poses) {
-        let turned = pose.rotation.tr_mul(&pose.rotation) - Matrix3::identity();
-        if turned.amax() > UNIT_LENGTH || pose.rotation.determinant() < 0.0 {
-            return Err(format!("the pose of the limb on \"{}\" has no rotation: give one", joint.name));
-        }
-    }
-    for (dof, axis) in creature.dofs().zip(&schema.axes) {
-        let length = axis.norm();
-        if dof.kind != DofKind::Ball && (length - 1.0).abs() > UNIT_LENGTH {
-            return Err(format!("the axis of \"{}\" has length {length}: divide it by its length", dof.name));
-        }
-    }
-    Ok(())
+    Err(format!(
+        "the schema does not have {} finite positions and {} finite axes: give a schema of {}",
+        creature.joints().len(),
+        creature.dof_elements(),
+        creature.name()
+    ))
 }

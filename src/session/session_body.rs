@@ -11,7 +11,6 @@ use super::observer::Observer;
 use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::error::Error;
 use crate::evaluation::is_hand;
-use crate::learning::Certainty;
 use crate::model_files::Source;
 use crate::named::listed;
 use crate::peripersonal::OwnBody;
@@ -115,8 +114,7 @@ fn learned<'a>(
 ) -> Result<OwnBody, Error> {
     let creature = session.agent.creature();
     let schema = read_schema(&folder.join(SCHEMA_FILE), creature)?;
-    let record = LearningRecord::read(folder, creature)?;
-    let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
+    let certainty = LearningRecord::read(folder, creature)?.certainty();
     Ok(OwnBody::new(&session.agent, schema, certainty, felt))
 }
 

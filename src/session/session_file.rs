@@ -1,6 +1,5 @@
 //! How a session came about and how far it has come: everything needed to repeat it, to go on with it or to read its touches.
 
-use std::fmt;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -155,7 +154,7 @@ impl Session {
     /// where it is no session, one of a newer version, or one whose skin does not fit its creature.
     pub fn read(folder: &Path) -> Result<Session, Error> {
         let path = folder.join(SESSION_FILE);
-        let json = files::read(&path).map_err(|error| match mistaken::is_missing(&error) {
+        let json = files::read(&path).map_err(|error| match error.is_missing() {
             true => Error::content(folder, None, mistaken::for_session(folder)),
             false => error,
         })?;
@@ -195,13 +194,6 @@ impl Host {
             os: value("/etc/os-release", "PRETTY_NAME")
                 .map_or_else(|| os.to_string(), |name| format!("{name} ({os} {arch})")),
         }
-    }
-}
-
-impl fmt::Display for Host {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plural = if self.cores == 1 { "" } else { "s" };
-        write!(f, "{} core{plural} of {}, {}", self.cores, self.cpu, self.os)
     }
 }
 

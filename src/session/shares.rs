@@ -2,20 +2,20 @@
 //!
 //! Bouts are drawn by their numbers, so a share of them can be made anywhere:
 //! [`BabblingSession::take_up`](super::BabblingSession::take_up) makes one, in a folder that names the session as any session's folder does.
-//! [`BabbledShares`] are all of them, of which [`BabblingSession::put_together`](super::BabblingSession::put_together) makes the log that
-//! one process would have written.
+//! Of all of them [`BabblingSession::put_together`](super::BabblingSession::put_together) makes the log that one process would
+//! have written.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use serde_json::{Value, json};
+
 use crate::agent::Agent;
 use crate::babbling::Bout;
 use crate::error::Error;
-use crate::session::{
-    BOUTS_FILE, BoutLine, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE, read_bouts, read_touches,
-};
+use crate::session::{SESSION_FILE, Session, SessionOptions, TOUCHES_FILE, read_bouts, read_touches};
 use crate::share::Share;
 
 /// Where the shares of a folder's work are.
@@ -177,23 +177,6 @@ pub(crate) fn made_shares<R: ShareRecord>(shares: &Shares) -> Result<Result<Made
     Ok(if unready.all().is_empty() { Ok(made) } else { Err(unready) })
 }
 
-/// The bouts that are whole in a share's folder: those that the share begins with.
-pub(super) fn bouts_of_share(folder: &Path, share: Share) -> Result<Vec<BoutLine>, Error> {
-    let bouts = read_bouts(folder)?;
-    match bouts.iter().enumerate().find(|(own, bout)| bout.bout != share.piece(*own as u64)) {
-        None => Ok(bouts),
-        Some((own, _)) => {
-            let reason = format!(
-                "line {} does not belong to bout {}: lines were added or lost; remove {} and make the share again",
-                own + 1,
-                share.piece(own as u64),
-                folder.display()
-            );
-            Err(Error::unfit(&folder.join(BOUTS_FILE), reason))
-        }
-    }
-}
-
 impl ShareRecord for Session {
     const FILE: &'static str = SESSION_FILE;
     const OF: &'static str = "session";
@@ -215,69 +198,48 @@ impl ShareRecord for Session {
     }
 
     fn difference(&self, other: &Session) -> Option<String> {
+        // Where the files are may differ from machine to machine, and the command with it.
         let facts = |session: &Session| {
-            let SessionOptions { touches, joints, root, motion, learner, input, known, .. } =
-                session.options.clone();
-            let words = |choice: Option<String>| choice.unwrap_or_else(|| "none".into());
-            [
-                ("program", session.program.clone()),
-                ("MuJoCo", session.engine.clone()),
-                ("seed", session.seed.to_string()),
-                ("--touches", touches.to_string()),
-                ("--joints", joints),
-                ("--root", words(root)),
-                ("--motion", words(motion)),
-                ("--learner", words(learner)),
-                ("--input", words(input)),
-                ("--known", words(known)),
-            ]
+            let options = SessionOptions { share: None, asked: Value::Null, ..session.options.clone() };
+            json!({"program": session.program, "MuJoCo": session.engine, "seed": session.seed, "options": options})
         };
-        let mut pairs = facts(self).into_iter().zip(facts(other));
-        if let Some(((what, one), (_, other))) = pairs.find(|(one, other)| one != other) {
-            return Some(format!("{what} {one} against {what} {other}"));
-        }
         let same = self.model_hash == other.model_hash && self.agent.creature() == other.agent.creature();
-        (!same).then(|| format!("{} is a different model", self.model))
+        difference(&facts(self), &facts(other))
+            .or_else(|| (!same).then(|| format!("{} is a different model", self.model)))
     }
 }
 
-/// Shares that are all made, of one session.
-pub(crate) struct BabbledShares(MadeShares<Session>);
+/// The first that differs of what two JSON objects say, in words; `None` if nothing does.
+pub(crate) fn difference(one: &Value, other: &Value) -> Option<String> {
+    one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
+        same if same == value => None,
+        inner if value.is_object() && inner.is_object() => difference(value, inner),
+        another => Some(format!("{name} {value} against {name} {another}")),
+    })
+}
 
-impl BabbledShares {
-    /// The shares in a folder, if all are made; else which are not.
-    pub(crate) fn find(shares: &Shares) -> Result<Result<BabbledShares, Unready>, Error> {
-        Ok(made_shares(shares)?.map(BabbledShares))
-    }
+/// The time that all shares of a session took to babble.
+pub(super) fn time_spent(shares: &MadeShares<Session>) -> Duration {
+    let effort = shares.iter().filter_map(|(_, _, session)| session.effort);
+    let spent = effort.map(|effort| Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default());
+    spent.fold(Duration::ZERO, Duration::saturating_add)
+}
 
-    /// The session that they are of, as the first share has it.
-    pub(crate) fn session(&self) -> &Session {
-        &self.0[0].2
+/// Reads all that was made of a session by shares; what it gives hands out each bout once, by its number.
+pub(super) fn bouts_of(
+    shares: &MadeShares<Session>,
+    agent: &Agent,
+) -> Result<impl FnMut(u64) -> Option<Bout> + use<>, Error> {
+    let mut made = BTreeMap::new();
+    for (share, folder, _) in shares {
+        made.extend(read_share(folder, *share, agent)?);
     }
-
-    /// The time that all of them took to babble.
-    pub(crate) fn spent(&self) -> Duration {
-        let effort = self.0.iter().filter_map(|(_, _, session)| session.effort);
-        let spent = effort.map(|effort| Duration::try_from_secs_f64(effort.babbling_s).unwrap_or_default());
-        spent.fold(Duration::ZERO, Duration::saturating_add)
-    }
-
-    /// Reads all that was made; what it gives hands out each bout once, by its number.
-    pub(in crate::session) fn bouts(
-        &self,
-        agent: &Agent,
-    ) -> Result<impl FnMut(u64) -> Option<Bout> + use<>, Error> {
-        let mut made = BTreeMap::new();
-        for (share, folder, _) in &self.0 {
-            made.extend(read_share(folder, *share, agent)?);
-        }
-        Ok(move |bout| made.remove(&bout))
-    }
+    Ok(move |bout| made.remove(&bout))
 }
 
 /// The bouts of one share, by their numbers.
 fn read_share(folder: &Path, share: Share, agent: &Agent) -> Result<BTreeMap<u64, Bout>, Error> {
-    let bouts = bouts_of_share(folder, share)?;
+    let bouts = read_bouts(folder, share)?;
     let path = folder.join(TOUCHES_FILE);
     let mut touches = read_touches(&path, agent)?.touches.into_iter().peekable();
     let lost = |lost: String| {

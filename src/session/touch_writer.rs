@@ -83,6 +83,7 @@ impl<'a> TouchWriter<'a> {
         TouchWriter::of(path, file, agent, left, zeros)
     }
 
+    /// A writer that has written its header, or found it.
     fn of(
         path: PathBuf,
         file: File,
@@ -92,7 +93,11 @@ impl<'a> TouchWriter<'a> {
     ) -> Result<TouchWriter<'a>, Error> {
         let mut writer =
             TouchWriter { path, file, agent, lines: 0, buffer: Vec::new(), left, passed: 0, zeros };
-        writer.write_header()?;
+        writer.write_line(&STAMP.on(&TouchHeader {
+            creature: agent.creature().name().into(),
+            coordinates: agent.creature().coordinates(),
+            units: UNITS.into(),
+        }))?;
         Ok(writer)
     }
 
@@ -162,14 +167,6 @@ impl<'a> TouchWriter<'a> {
             Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
             result => result.map_err(Error::unwritable(&self.path)),
         }
-    }
-
-    fn write_header(&mut self) -> Result<(), Error> {
-        self.write_line(&STAMP.on(&TouchHeader {
-            creature: self.agent.creature().name().into(),
-            coordinates: self.agent.creature().coordinates(),
-            units: UNITS.into(),
-        }))
     }
 
     /// The next line that an interrupted writer left, which may lack its end; empty if there is none.

@@ -287,7 +287,7 @@ fn learn(
         count(babbled.work);
         let disturbances = way.disturbances(embodied.agent());
         let how = LearningOptions {
-            learner: way.learner,
+            learner: Some(way.learner),
             input: Some(way.input),
             disturbances,
             deadline: by,

@@ -35,8 +35,8 @@ pub(super) const STUDY: Study = Study {
 fn learners() -> [(&'static str, LearningOptions); 4] {
     let lm = LearningOptions::default();
     [
-        ("hersch", LearningOptions { learner: &HerschsRule, ..lm.clone() }),
-        ("gradient", LearningOptions { learner: &RepairedHersch, ..lm.clone() }),
+        ("hersch", LearningOptions { learner: Some(&HerschsRule), ..lm.clone() }),
+        ("gradient", LearningOptions { learner: Some(&RepairedHersch), ..lm.clone() }),
         ("lm --skin centres", LearningOptions { skin: SkinKnowledge::Centres, ..lm.clone() }),
         ("lm", lm),
     ]

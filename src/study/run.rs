@@ -131,18 +131,6 @@ impl Asked {
         self.options.seed..self.options.seed.saturating_add(self.options.trials)
     }
 
-    /// What differs from another, in words; `None` if nothing does.
-    pub(super) fn difference(&self, other: &Asked) -> Option<String> {
-        fn differing(one: &Value, other: &Value) -> Option<String> {
-            one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
-                same if same == value => None,
-                Value::Object(_) if value.is_object() => differing(value, &other[name]),
-                another => Some(format!("{name} is {value} in one, {another} in the other")),
-            })
-        }
-        differing(&json!(self), &json!(other))
-    }
-
     fn study(&self) -> Result<&'static Study, Error> {
         Study::of_name(&self.study).ok_or_else(|| {
             Error::usage(format!(

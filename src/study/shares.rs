@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use super::run::{MOST_TRIALS, TrialRecord};
 use super::{Asked, Findings, StudyOptions, StudyRun};
 use crate::error::Error;
-use crate::session::{STUDY_SHARE_FILE, ShareRecord, files, write_whole};
+use crate::session::{STUDY_SHARE_FILE, ShareRecord, difference, files, write_whole};
 use crate::share::Share;
 
 /// Where trials are, in the folder of a share.
@@ -58,7 +59,7 @@ impl ShareRecord for StudyShare {
     }
 
     fn difference(&self, other: &StudyShare) -> Option<String> {
-        self.asked.difference(&other.asked)
+        difference(&json!(self.asked), &json!(other.asked))
     }
 }
 

@@ -81,7 +81,7 @@ fn a_session_opened_again_is_as_sure_as_its_learner_was() {
             ..LearningRecord::default()
         };
         record.write(folder.path(), agent.creature()).unwrap();
-        let read = LearningRecord::read(folder.path(), agent.creature()).unwrap().unwrap();
+        let read = LearningRecord::read(folder.path(), agent.creature()).unwrap();
         let recorded = read.account.as_ref().unwrap();
         assert_eq!((recorded.basis, recorded.deviation), (learned.basis, learned.deviation));
         let certainties = [learned.certainty(), read.certainty()];

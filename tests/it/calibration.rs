@@ -180,10 +180,23 @@ fn what_is_nearly_known_weighs_as_much_as_it_should() {
     let golden: Json =
         serde_json::from_str(&fs::read_to_string(repository("tests/it/models/map.json")).unwrap()).unwrap();
     let place = Place::new();
-    place.write("robot.json", golden["robot"].to_string());
+    // The description says where joints nearly are, and how nearly.
+    let mut robot = golden["robot"].clone();
+    let mut prior = serde_json::Map::new();
+    for (joint, known) in
+        robot["joints"].as_array_mut().unwrap().iter_mut().zip(golden["known"]["joints"].as_array().unwrap())
+    {
+        let axis = &known["axes"][0];
+        assert_eq!((&joint["name"], &joint["dofs"][0]["name"]), (&known["joint"], &axis["dof"]));
+        (joint["position"], joint["dofs"][0]["axis"]) = (known["position"].clone(), axis["axis"].clone());
+        let named = |name: &Json, of: &str| format!("{}.{of}", name.as_str().unwrap());
+        prior.insert(named(&known["joint"], "position"), known["position_std"].clone());
+        prior.insert(named(&axis["dof"], "axis"), axis["axis_std"].clone());
+    }
+    robot["prior"] = prior.into();
+    place.write("robot.json", robot.to_string());
     place.write("touches.csv", golden["log"].as_str().unwrap());
-    place.write("near.json", golden["known"].to_string());
-    let found = place.json(&["robot.json", "touches.csv", "--known", "near.json", "--false-touches", "no"]);
+    let found = place.json(&["robot.json", "touches.csv", "--false-touches", "no"]);
     let numbers = |name: &str| -> Vec<f64> {
         let quantities = found["quantities"].as_array().unwrap();
         let quantity = quantities.iter().find(|quantity| quantity["name"] == name).unwrap();

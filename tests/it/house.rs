@@ -17,7 +17,7 @@ const FLOORS: [&[&str]; 19] = [
     &["schema"],
     &["kinematics", "model_files"],
     &["skin"],
-    &["agent", "given_file"],
+    &["agent", "given_file", "given_number"],
     &["ground_truth", "senses"],
     &["learning"],
     &["calibration", "simulation"],

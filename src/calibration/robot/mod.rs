@@ -183,10 +183,16 @@ impl Robot {
     /// Adds a link at rest on another, with a position and an orientation of its own, both of which may be unknown: the mount
     /// of a skin, a tool, a tracker.
     pub fn add_mount(&mut self, name: &str, parent: usize, pose: Frame) -> usize {
-        let shift = self.add_quantity(format!("{name}.position"), Unit::Metre, Value::Position(pose.origin));
-        let turn =
-            self.add_quantity(format!("{name}.orientation"), Unit::Radian, Value::Orientation(pose.rotation));
-        self.add_link(name, parent, vec![Element::Shift(shift), Element::Turn(turn)])
+        let elements = self.add_pose(name, pose).to_vec();
+        self.add_link(name, parent, elements)
+    }
+
+    /// Adds the position and the orientation of something, which may be unknown, as elements of a link.
+    pub fn add_pose(&mut self, name: &str, pose: Frame) -> [Element; 2] {
+        let (shift, turn) = (Value::Position(pose.origin), Value::Orientation(pose.rotation));
+        let shift = self.add_quantity(format!("{name}.position"), Unit::Metre, shift);
+        let turn = self.add_quantity(format!("{name}.orientation"), Unit::Radian, turn);
+        [Element::Shift(shift), Element::Turn(turn)]
     }
 
     /// Gives every link so far a mount at rest, called after it, that its points are on; none where it has one, or is one.

@@ -45,6 +45,17 @@ impl Value {
         if let Value::Number(number) = self { *number } else { 0.0 }
     }
 
+    /// Its numbers, as files and readers have them: the rotation vector of an orientation.
+    pub fn numbers(&self) -> Vec<f64> {
+        match self {
+            Value::Position(vector) | Value::Direction(vector) => vector.iter().copied().collect(),
+            Value::Orientation(rotation) => {
+                Rotation3::from_matrix_unchecked(*rotation).scaled_axis().iter().copied().collect()
+            }
+            Value::Number(number) => vec![*number],
+        }
+    }
+
     /// The value after a step of its parameters.
     pub fn stepped(&self, step: &[f64]) -> Value {
         match self {

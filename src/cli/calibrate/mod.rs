@@ -5,7 +5,6 @@ mod results;
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::{count, not_negative};
 use super::folders::Force;
 use super::open::rehearse;
 use super::{Failure, Outcome, output, progress};
@@ -14,9 +13,9 @@ use crate::calibration::{
     Calibration, Estimator, EstimatorOptions, Fit, Judgement, Touch, add_places, folds, judge, objections,
     put_on_places, split,
 };
+use crate::given_number::{count, not_negative};
 use crate::session::{
-    RobotFile, add_fixed_places, apply_known, is_mjcf, length, read_calibration_log, read_known, read_robot,
-    set_prior,
+    RobotFile, add_fixed_places, is_mjcf, length, read_calibration_log, read_robot, set_prior,
 };
 use crate::view::report::calibration::as_json;
 
@@ -81,9 +80,6 @@ struct UnknownArguments {
     /// Treat recurring points in the log as receptors whose positions are known to this standard deviation
     #[arg(long, value_name = "DEVIATION")]
     places: Option<String>,
-    /// Prior knowledge of joints, as for learn: positions and axes with standard deviations
-    #[arg(long, value_name = "FILE")]
-    known: Option<PathBuf>,
 }
 
 /// What noise there is.
@@ -179,24 +175,10 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
     for note in &file.notes {
         tell!("{place}: {note}");
     }
-    let mut unplaced = std::mem::take(&mut file.unplaced);
-    if let Some(known) = &args.unknowns.known {
-        let creature = file
-            .creature
-            .as_ref()
-            .ok_or_else(|| format!("{place} is not a JSON description: use --prior instead of --known"))?;
-        let joints = read_known(known, creature)?;
-        apply_known(&mut file.robot, creature, &joints);
-        unplaced.retain(|name| {
-            !joints
-                .iter()
-                .any(|joint| creature.joints()[joint.joint].name == *name && joint.position.is_some())
-        });
-    }
-    if let Some(name) = unplaced.first() {
+    if let Some(name) = file.unplaced.first() {
         return Err(format!(
-            "{place}: joint {name} has no position: give its position and axes, use --known, or learn from \
-             scratch with `bodyschema learn --creature {place} --log {}`",
+            "{place}: joint {name} has no position: give its position and axes, or learn from scratch with \
+             `bodyschema learn --creature {place} --log {}`",
             args.log.display()
         )
         .into());
@@ -213,7 +195,7 @@ fn given(args: &CalibrateArguments) -> Result<(RobotFile, Vec<Touch>), Failure> 
 impl UnknownArguments {
     /// Says what is unknown of a robot: encoders' offsets, where nothing is said here nor by its file.
     fn apply(&self, robot: &mut Robot, says_itself: bool) -> Outcome {
-        if !says_itself && self.free.is_empty() && self.prior.is_empty() && self.known.is_none() {
+        if !says_itself && self.free.is_empty() && self.prior.is_empty() {
             let offsets: Vec<_> = robot.dofs.iter().filter_map(|dof| Some(dof.quantities?.offset)).collect();
             offsets.iter().for_each(|&offset| robot.quantities[offset].knowledge[0] = Knowledge::Free);
             tell!("No --free or --prior given: estimating all encoder offsets.");

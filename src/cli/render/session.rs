@@ -77,7 +77,7 @@ fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {
 /// What learning went through.
 fn checkpoints(args: &RenderArguments, creature: &Creature) -> Result<Vec<Checkpoint>, Failure> {
     let record = LearningRecord::read(&args.what, creature)?;
-    record.map(|record| record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
+    Some(record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
         Failure(format!(
             "{}: it has no checkpoints of learning: learn again with `bodyschema learn {0}`",
             args.what.display()

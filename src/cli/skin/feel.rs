@@ -6,12 +6,12 @@ use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::cli::arguments::positive;
 use crate::cli::folders::{Force, session_folder};
 use crate::cli::open::{ModelArguments, rehearse};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, Outcome, progress};
 use crate::creature::JointSelection;
+use crate::given_number::positive;
 use crate::senses::{Aura, TouchKind, TouchSensor};
 use crate::session::{StrokedSession, read_map, record_strokes};
 use crate::simulation::partner::{Script, Strokes};

@@ -5,9 +5,9 @@ mod map;
 
 use std::path::{Path, PathBuf};
 
-use super::arguments::positive;
 use super::open::{ModelArguments, rehearse};
 use super::{Outcome, output, progress};
+use crate::given_number::positive;
 use crate::skin::{GrowOptions, PatchSize, grow_skin_rooted};
 
 /// Grow a skin of touch receptors on a model.

@@ -9,8 +9,8 @@ use crate::cli::live::LiveOptions;
 use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{
-    BabbledShares, BabblingSession, FolderLock, Observer, SESSION_FILE, STUDY_FILE, ShareRecord, Shares,
-    Unready, made_shares,
+    BabblingSession, FolderLock, MadeShares, Observer, SESSION_FILE, STUDY_FILE, Session, ShareRecord,
+    Shares, Unready, made_shares,
 };
 use crate::share::Share;
 use crate::study::{Findings, StudyShare};
@@ -49,8 +49,8 @@ pub fn run(args: &MergeArguments) -> Outcome {
             found => tell_unready(args, found.err()),
         };
     }
-    match BabbledShares::find(&shares)? {
-        Ok(shares) if !args.missing => session(args, &shares),
+    match made_shares(&shares)? {
+        Ok(made) if !args.missing => session(args, &made),
         found => tell_unready(args, found.err()),
     }
 }
@@ -81,9 +81,9 @@ fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcom
 }
 
 /// Puts a session together.
-fn session(args: &MergeArguments, shares: &BabbledShares) -> Outcome {
+fn session(args: &MergeArguments, shares: &MadeShares<Session>) -> Outcome {
     let folder = &args.folder;
-    let asked = SessionArguments::of_session(shares.session(), folder)?;
+    let asked = SessionArguments::of_session(&shares[0].2, folder)?;
     let job = Job::new(asked, args.jobs, None, args.json, &LiveOptions::default())?;
     let make = |session: BabblingSession, observer: &dyn Observer| session.put_together(shares, observer);
     if folder.join(SESSION_FILE).exists() {

@@ -13,6 +13,9 @@ pub use growth::PartByPart;
 pub use hersch::HerschsRule;
 pub use levenberg_marquardt::LevenbergMarquardt;
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use crate::agent::Agent;
 use crate::learning::growth::Growth;
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SkinKnowledge};
@@ -60,6 +63,20 @@ pub trait LearnerKind: Sync {
     /// After how many of so many touches it is worth a measurement, where that costs little.
     fn checkpoints(&self, _given: &LearnerGivens, _touches: usize) -> Vec<usize> {
         Vec::new()
+    }
+}
+
+/// In files a learner goes by its name.
+impl Serialize for dyn LearnerKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.name().serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for &'static dyn LearnerKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        learner_kind(&name).ok_or_else(|| D::Error::custom(format!("unknown learner {name}")))
     }
 }
 

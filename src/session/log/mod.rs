@@ -3,7 +3,6 @@
 pub(super) mod table;
 pub(super) mod units;
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -42,23 +41,10 @@ pub(super) struct Log<'a> {
     joints: Vec<LogJoint<'a>>,
     /// Per coordinate of a posture its column.
     pub posture: Vec<Option<usize>>,
-    fields: HashMap<&'static str, usize>,
     /// The columns that mean nothing.
     pub spare: Vec<Column>,
     /// What looks odd, in sentences.
     pub notes: Vec<String>,
-}
-
-/// One end of a touch as a row has it.
-pub(super) struct LogEnd {
-    /// The name of the limb.
-    pub limb: Option<String>,
-    /// The id of the receptor.
-    pub receptor: Option<String>,
-    /// The point of contact in the limb's frame, metres.
-    pub point: Option<Vector3<f64>>,
-    /// Standard deviation of each of its coordinates, metres.
-    pub deviation: Option<f64>,
 }
 
 impl LogJoint<'_> {
@@ -86,8 +72,8 @@ impl<'a> Log<'a> {
         let coordinates: Vec<_> = joints.iter().flat_map(LogJoint::columns).collect();
         let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
         let (table, notes) = read_table(path, &names, creature)?;
-        let (posture, fields, spare) = Default::default();
-        let mut log = Log { path, table, joints, posture, fields, spare, notes };
+        let (posture, spare) = Default::default();
+        let mut log = Log { path, table, joints, posture, spare, notes };
         if !log.table.columns.is_empty() {
             let assigned = log.assign(&coordinates, further);
             let fault = assigned.err().or_else(|| fault(&log));
@@ -115,29 +101,18 @@ impl<'a> Log<'a> {
         let wanted: Vec<Quantity> = moving.chain(fields.iter().copied()).collect();
         self.posture = self.table.assign(&wanted)?;
         let places = self.posture.split_off(coordinates.len());
-        self.fields = fields.iter().zip(places).filter_map(|((name, _), at)| Some((*name, at?))).collect();
         for names in POINTS {
-            let missing = names.iter().find(|name| !self.has(name));
-            if let Some(missing) = missing.filter(|_| names.iter().any(|name| self.has(name))) {
+            let missing = names.iter().find(|name| !self.table.has(name));
+            if let Some(missing) = missing.filter(|_| names.iter().any(|name| self.table.has(name))) {
                 return Err(format!("column {missing} is missing: a point has three coordinates"));
             }
         }
-        let used: Vec<usize> = self.posture.iter().flatten().chain(self.fields.values()).copied().collect();
+        let used: Vec<usize> = self.posture.iter().chain(&places).flatten().copied().collect();
         self.spare = self.table.spare(&used);
         let titles: Vec<&str> = self.spare.iter().map(|column| column.title.as_str()).collect();
         let unused = (!titles.is_empty()).then(|| format!("unused columns: {}", titles.join(", ")));
         self.notes.extend(unused);
         Ok(())
-    }
-
-    /// Whether there is a column of a field.
-    pub fn has(&self, name: &str) -> bool {
-        self.fields.contains_key(name)
-    }
-
-    /// The column of a field.
-    pub fn column(&self, name: &str) -> Option<&Column> {
-        self.fields.get(name).map(|at| &self.table.columns[*at])
     }
 
     /// The column that is likely meant by a name that no column has, as the end of a sentence.
@@ -146,36 +121,18 @@ impl<'a> Log<'a> {
         near.map_or(String::new(), |near| format!(", or is {} meant? Then rename it", near.title))
     }
 
-    /// The column of a field whose cell in a row is not empty.
-    pub fn given(&self, row: &StringRecord, name: &str) -> Option<usize> {
-        self.fields.get(name).copied().filter(|at| !row[*at].is_empty())
-    }
-
-    /// The text of a field.
-    pub fn text<'r>(&self, row: &'r StringRecord, name: &str) -> Option<&'r str> {
-        self.given(row, name).map(|at| &row[at])
-    }
-
     /// The count in a field.
     pub fn count(&self, row: &StringRecord, name: &str) -> Result<Option<u64>, CellFault> {
-        let Some(at) = self.given(row, name) else { return Ok(None) };
+        let Some(at) = self.table.given(row, name) else { return Ok(None) };
         row[at].parse().map(Some).map_err(|_| {
             let place = self.table.place(at);
             CellFault::Wrong(format!("{place}: \"{}\" is not a whole number: give one", &row[at]))
         })
     }
 
-    /// What a row says of a side.
-    pub fn end(&self, row: &StringRecord, side: usize) -> Result<LogEnd, CellFault> {
-        let [limb, receptor] =
-            [LIMBS, RECEPTORS].map(|names| self.text(row, names[side]).map(str::to_string));
-        let (point, deviation) = (self.point(row, side)?, self.deviation(row, side)?);
-        Ok(LogEnd { limb, receptor, point, deviation })
-    }
-
     /// The standard deviation of each coordinate of the point of a side, if it is given.
     pub fn deviation(&self, row: &StringRecord, side: usize) -> Result<Option<f64>, CellFault> {
-        let Some(at) = self.given(row, DEVIATIONS[side]) else { return Ok(None) };
+        let Some(at) = self.table.given(row, DEVIATIONS[side]) else { return Ok(None) };
         let deviation = self.table.number(row, at, "metres")?;
         if deviation >= 0.0 {
             return Ok(Some(deviation));
@@ -186,7 +143,7 @@ impl<'a> Log<'a> {
 
     /// The point of a side, if there is one.
     pub fn point(&self, row: &StringRecord, side: usize) -> Result<Option<Vector3<f64>>, CellFault> {
-        let [Some(x), Some(y), Some(z)] = POINTS[side].map(|name| self.fields.get(name).copied()) else {
+        let [Some(x), Some(y), Some(z)] = POINTS[side].map(|name| self.table.at(name)) else {
             return Ok(None);
         };
         if [x, y, z].iter().all(|at| row[*at].is_empty()) {

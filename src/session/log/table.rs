@@ -79,6 +79,8 @@ pub(crate) struct Table {
     /// The line that the names are on.
     pub line: usize,
     pub columns: Vec<Column>,
+    /// Columns by the quantities that they hold, as far as these were assigned.
+    places: HashMap<String, usize>,
     pub rows: Vec<(usize, StringRecord)>,
     /// The last line, if it ends in the middle and is left out.
     pub cut: Option<usize>,
@@ -114,7 +116,29 @@ impl Table {
             };
             (places[k], self.columns[at].unit) = (Some(at), unit);
         }
+        let found = wanted.iter().zip(&places).filter_map(|((name, _), at)| Some((name.to_string(), (*at)?)));
+        self.places.extend(found);
         Ok(places)
+    }
+
+    /// The column that holds a quantity.
+    pub fn at(&self, name: &str) -> Option<usize> {
+        self.places.get(name).copied()
+    }
+
+    /// Whether a column holds a quantity.
+    pub fn has(&self, name: &str) -> bool {
+        self.at(name).is_some()
+    }
+
+    /// The column that holds a quantity, if its cell in a row is not empty.
+    pub fn given(&self, row: &StringRecord, name: &str) -> Option<usize> {
+        self.at(name).filter(|at| row.get(*at).is_some_and(|cell| !cell.is_empty()))
+    }
+
+    /// What a row has of a quantity, if its cell is not empty.
+    pub fn text<'r>(&self, row: &'r StringRecord, name: &str) -> Option<&'r str> {
+        self.given(row, name).map(|at| &row[at])
     }
 
     /// The columns with a title that are none of these.

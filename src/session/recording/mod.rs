@@ -18,14 +18,15 @@ pub(super) use creature_file::{creature_of, list, typed};
 use super::babbling::BabbledSession;
 use super::learning_options::LearningOptions;
 use super::log::table::{CellFault, LIMBS, POINTS, RECEPTORS};
-use super::log::{Log, LogEnd, LogJoint, far_angles};
+use super::log::{Log, LogJoint, far_angles};
 use super::observer::Observer;
 use super::touch_log::check;
 use super::{RecordingFiles, Session, SessionOptions, TouchWriter, UNIT_LENGTH};
 use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
-use crate::creature::{Creature, DofKind, Posture};
+use crate::creature::{DofKind, Posture};
 use crate::error::Error;
+use crate::evaluation::Summary;
 use crate::named::listed;
 use crate::senses::{ExactContact, Input, RecordedTouch, Touch, TouchEnd};
 use crate::skin::{Receptor, Skin};
@@ -57,20 +58,24 @@ pub struct Recording {
     pub notes: Vec<String>,
 }
 
-/// A touch before it is known whether creature and skin have what it names; its posture in the creature's order.
+/// A touch as its row has it, of limbs and receptors that there are; its posture in the creature's order.
 struct RawTouch {
     line: usize,
     bout: Option<u64>,
     motion: Option<u64>,
     posture: Posture,
-    ends: [LogEnd; 2],
+    ends: [RawEnd; 2],
 }
 
-impl LogEnd {
-    /// The receptor, an index into the skin; `None` if the skin does not have it.
-    fn of_skin(&self, skin: &Skin) -> Option<usize> {
-        self.receptor.as_ref().and_then(|id| skin.receptor(id))
-    }
+/// One end of such a touch.
+struct RawEnd {
+    limb: usize,
+    /// The receptor, if it is named and the skin has it.
+    receptor: Option<usize>,
+    /// The point of contact in the limb's frame, metres.
+    point: Option<Vector3<f64>>,
+    /// Standard deviation of each of its coordinates, metres.
+    deviation: Option<f64>,
 }
 
 /// Reads a recording's touches from `path`: JSON or a table of comma-separated values, packed by gzip or not.
@@ -82,14 +87,22 @@ pub fn read_recording(path: &Path, agent: &Agent) -> Result<Recording, Error> {
     let creature = agent.creature();
     let joints = creature.dofs().map(|dof| LogJoint { name: &dof.name, kind: dof.kind, range: dof.range });
     let mut log = Log::read(path, joints.collect(), &[], Some(creature), missing)?;
-    let rows = log.rows(|log, line, row| raw_touch(log, line, row, creature))?;
+    let rows = log.rows(|log, line, row| raw_touch(log, line, row, agent))?;
     let postures = rows.iter().map(|touch| (touch.line, &touch.posture[..]));
     log.check_angles(postures)?;
-    let odd: Vec<String> = out_of_range(&log, &rows).chain(far_points(&rows)).collect();
-    let Recording { agent, mut touches, input, .. } = resolve(&log, agent, &rows)?;
+    let odd: Vec<String> = out_of_range(&log, &rows).chain(far_points(&rows, creature.limbs())).collect();
+    let (agent, mut touches) = resolve(&log, agent, &rows)?;
     let repeats = drop_repeats(&mut touches);
     log.notes.extend(odd);
     log.note_repeats(repeats, rows.len());
+    let all_receptors = rows.iter().flat_map(|touch| &touch.ends).all(|end| end.receptor.is_some());
+    if let Some(without) = rows.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
+        && !all_receptors
+    {
+        let message = "this touch has only receptors, others only points: give points in every touch, or receptors in every touch";
+        return Err(log.refused(without.line, message));
+    }
+    let input = if all_receptors { Input::Receptor } else { Input::Contact };
     Ok(Recording { agent, touches, input, notes: log.notes })
 }
 
@@ -126,7 +139,8 @@ impl BabbledSession {
                 touches: touches.len(),
                 joints: "all".to_string(),
                 input: Some(learning.input.unwrap_or(recording.input).to_string()),
-                learner: Some(learning.learner.name().to_string()),
+                learner: Some(learning.kind().name().to_string()),
+                known: learning.known.as_ref().map(|known| known.display().to_string()),
                 ..SessionOptions::default()
             },
             agent: Agent::new(visited, recording.agent.skin().clone())?,
@@ -156,19 +170,19 @@ fn missing(log: &Log) -> Option<String> {
         let (name, _) = &joint.columns()[k];
         return Some(format!("column {name} is missing: add this degree of freedom{}", log.meant(name)));
     }
-    let side = [0, 1]
-        .into_iter()
-        .find(|&side| !(log.has(RECEPTORS[side]) || log.has(LIMBS[side]) && log.has(POINTS[side][0])))?;
+    let side = [0, 1].into_iter().find(|&side| {
+        !(log.table.has(RECEPTORS[side]) || log.table.has(LIMBS[side]) && log.table.has(POINTS[side][0]))
+    })?;
     let (limb, receptor, [x, y, z]) = (LIMBS[side], RECEPTORS[side], POINTS[side]);
-    let missing = if log.has(limb) { x } else { limb };
+    let missing = if log.table.has(limb) { x } else { limb };
     Some(format!("column {missing} is missing: give {limb} with {x}, {y}, {z}, or {receptor}"))
 }
 
 /// The touch of a row. Quaternions that were rounded when they were written are scaled; those that fit to the last digits stay.
-fn raw_touch(log: &Log, line: usize, row: &StringRecord, creature: &Creature) -> Result<RawTouch, CellFault> {
+fn raw_touch(log: &Log, line: usize, row: &StringRecord, agent: &Agent) -> Result<RawTouch, CellFault> {
     let number = |at: &usize| log.table.number(row, *at, "radians, or metres of a slide");
     let mut posture = log.posture.iter().flatten().map(number).collect::<Result<Vec<f64>, _>>()?;
-    for ball in creature.elements().filter(|element| element.is_ball()) {
+    for ball in agent.creature().elements().filter(|element| element.is_ball()) {
         let coordinates = ball.of_mut(&mut posture);
         let length = coordinates.iter().map(|x| x * x).sum::<f64>().sqrt();
         let off = (length - 1.0).abs();
@@ -180,7 +194,7 @@ fn raw_touch(log: &Log, line: usize, row: &StringRecord, creature: &Creature) ->
         line,
         bout: log.count(row, "bout")?,
         motion: log.count(row, "motion")?,
-        ends: [log.end(row, 0)?, log.end(row, 1)?],
+        ends: [raw_end(log, row, 0, agent)?, raw_end(log, row, 1, agent)?],
         posture: posture.into(),
     })
 }
@@ -206,36 +220,30 @@ fn out_of_range(log: &Log, touches: &[RawTouch]) -> impl Iterator<Item = String>
 }
 
 /// The first point that is far from its limb for a point of it, and points that are all far, as sentences.
-fn far_points(touches: &[RawTouch]) -> impl Iterator<Item = String> {
-    let (mut of_limbs, mut all) = (BTreeMap::<&str, Vec<(usize, f64)>>::new(), Vec::new());
-    for (touch, end) in touches.iter().flat_map(|touch| touch.ends.iter().map(move |end| (touch, end))) {
-        let Some(distance) = end.point.map(|point| point.norm()) else { continue };
-        all.push(distance);
-        if let Some(limb) = &end.limb {
-            of_limbs.entry(limb).or_default().push((touch.line, distance));
-        }
+fn far_points(touches: &[RawTouch], limbs: &[String]) -> impl Iterator<Item = String> {
+    let mut of_limbs = BTreeMap::<usize, Vec<(usize, f64)>>::new();
+    for (line, end) in touches.iter().flat_map(|touch| touch.ends.iter().map(|end| (touch.line, end))) {
+        let distance = end.point.map(|point| point.norm());
+        of_limbs.entry(end.limb).or_default().extend(distance.map(|distance| (line, distance)));
     }
-    let one = of_limbs.into_iter().find_map(|(limb, points)| {
-        let usual = median(points.iter().map(|(_, distance)| *distance).collect())?.max(LEAST);
-        let (line, far) = points.into_iter().find(|(_, distance)| *distance > FAR * usual)?;
+    let median = |points: &[(usize, f64)]| Summary::of(points.iter().map(|(_, distance)| *distance)).median;
+    let one = of_limbs.iter().find_map(|(limb, points)| {
+        let usual = median(points).max(LEAST);
+        let (line, far) = points.iter().find(|(_, distance)| *distance > FAR * usual)?;
+        let limb = &limbs[*limb];
         Some(format!(
             "on line {line} the point on {limb} is {far:.3} m from its origin, but half of its points are within \
              {usual:.3} m: correct it, or leave the touch out"
         ))
     });
-    let millimetres = median(all).filter(|median| *median > FAR).map(|median| {
+    let median = median(&of_limbs.into_values().flatten().collect::<Vec<_>>());
+    let millimetres = (median > FAR).then(|| {
         format!(
             "half of the points are more than {median:.0} m from their limb's origin: if they are in millimetres, \
              convert them to metres"
         )
     });
     one.into_iter().chain(millimetres)
-}
-
-/// The middle one of some numbers.
-pub(super) fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    numbers.sort_by(f64::total_cmp);
-    numbers.get(numbers.len() / 2).copied()
 }
 
 /// Leaves of touches that repeat one another the first; how many went.
@@ -247,22 +255,14 @@ fn drop_repeats(touches: &mut Vec<RecordedTouch>) -> usize {
     })
 }
 
-/// Gives every touch its limbs and receptors.
-fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Error> {
+/// Gives every touch its receptors, in the order of their limbs, on limbs without a skin bare ones.
+fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<(Agent, Vec<RecordedTouch>), Error> {
     let limbs = agent.creature().limbs();
-    let met = raw.iter().map(|touch| {
-        let limbs = limb_of(agent, touch, 0).and_then(|a| Ok([a, limb_of(agent, touch, 1)?]));
-        limbs.map_err(|fault| log.refused(touch.line, fault))
-    });
-    let met: Vec<[usize; 2]> = met.collect::<Result<_, _>>()?;
     let mut points = vec![Vec::new(); limbs.len()];
-    for (end, &limb) in raw.iter().flat_map(|touch| &touch.ends).zip(met.iter().flatten()) {
-        if end.of_skin(agent.skin()).is_none() {
-            points[limb].extend(end.point);
-        }
+    for end in raw.iter().flat_map(|touch| &touch.ends).filter(|end| end.receptor.is_none()) {
+        points[end.limb].extend(end.point);
     }
     let mut skin = agent.skin().clone();
-    let given = skin.receptors.len();
     for (limb, points) in points.iter().enumerate() {
         if skin.receptors_on(limb).next().is_none() {
             skin.receptors.extend(bare_receptors(&limbs[limb], limb, points));
@@ -270,15 +270,13 @@ fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Erro
     }
     let agent = agent.with_skin(skin).map_err(|error| Error::unfit(log.path, error.to_string()))?;
     let skin = agent.skin();
-    let named = |end: &LogEnd| end.of_skin(skin).filter(|&receptor| receptor < given);
-    let all_receptors = raw.iter().flat_map(|touch| &touch.ends).all(|end| named(end).is_some());
     let mut touches = Vec::with_capacity(raw.len());
-    for (number, (found, limbs)) in raw.iter().zip(&met).enumerate() {
+    for (number, found) in raw.iter().enumerate() {
         // The end on the earlier limb comes first.
-        let order = if limbs[0] > limbs[1] { [1, 0] } else { [0, 1] };
-        let receptors = order.map(|k| {
-            let end = &found.ends[k];
-            let receptor = named(end).or_else(|| nearest(skin, limbs[k], &end.point?));
+        let [a, b] = &found.ends;
+        let ends = if a.limb > b.limb { [b, a] } else { [a, b] };
+        let receptors = ends.map(|end| {
+            let receptor = end.receptor.or_else(|| nearest(skin, end.limb, &end.point?));
             receptor.expect("an end has a receptor or a point")
         });
         let touch = Touch {
@@ -288,57 +286,59 @@ fn resolve(log: &Log, agent: &Agent, raw: &[RawTouch]) -> Result<Recording, Erro
             ends: receptors.map(TouchEnd::at),
             moment: None,
         };
-        let point = |k: usize| found.ends[order[k]].point.unwrap_or(skin.receptors[receptors[k]].position);
-        let deviations = order.map(|k| found.ends[k].deviation);
+        let point = |k: usize| ends[k].point.unwrap_or(skin.receptors[receptors[k]].position);
+        let deviations = ends.map(|end| end.deviation);
         let contact = ExactContact { points: [point(0), point(1)], deviations, depth: None };
         let touch = RecordedTouch::new(touch, contact);
         check(&touch, &agent).map_err(|fault| log.refused(found.line, fault))?;
         touches.push(touch);
     }
-    if let Some(without) = raw.iter().find(|touch| touch.ends.iter().any(|end| end.point.is_none()))
-        && !all_receptors
-    {
-        let message = "this touch has only receptors, others only points: give points in every touch, or receptors in every touch";
-        return Err(log.refused(without.line, message));
-    }
-    let input = if all_receptors { Input::Receptor } else { Input::Contact };
-    Ok(Recording { agent, touches, input, notes: Vec::new() })
+    Ok((agent, touches))
 }
 
-/// The limb of one end of a touch: where its receptor is, or the one that is named.
-fn limb_of(agent: &Agent, touch: &RawTouch, k: usize) -> Result<usize, String> {
-    let (creature, skin) = (agent.creature(), agent.skin());
-    let (end, side, limbs) = (&touch.ends[k], ["a", "b"][k], creature.limbs());
-    let limb = |name: &String| {
-        creature.limb(name).ok_or_else(|| {
-            let (column, all) = (LIMBS[k], listed(limbs));
-            format!("column {column}: {} has no limb \"{name}\": choose one of {all}", creature.name())
-        })
-    };
-    let named = end.limb.as_ref().map(limb).transpose()?;
-    let felt = end.of_skin(skin).map(|receptor| skin.receptors[receptor].limb);
-    match (felt, named, &end.receptor) {
+/// One end of the touch of a row, on the limb of its receptor or on the one that is named.
+fn raw_end(log: &Log, row: &StringRecord, k: usize, agent: &Agent) -> Result<RawEnd, CellFault> {
+    let (creature, skin, side) = (agent.creature(), agent.skin(), ["a", "b"][k]);
+    let wrong = |message: String| Err(CellFault::Wrong(message));
+    let (point, deviation) = (log.point(row, k)?, log.deviation(row, k)?);
+    let [limb, id] = [LIMBS, RECEPTORS].map(|names| log.table.text(row, names[k]));
+    let named = limb.and_then(|name| creature.limb(name));
+    if let (Some(name), None) = (limb, named) {
+        let (column, all) = (LIMBS[k], listed(creature.limbs()));
+        return wrong(format!(
+            "column {column}: {} has no limb \"{name}\": choose one of {all}",
+            creature.name()
+        ));
+    }
+    let receptor = id.and_then(|id| skin.receptor(id));
+    let felt = receptor.map(|receptor| skin.receptors[receptor].limb);
+    let limb = match (felt, named, id) {
         (Some(felt), Some(named), Some(id)) if felt != named => {
-            let (column, [felt, named]) = (LIMBS[k], [felt, named].map(|limb| &limbs[limb]));
-            Err(format!(
+            let (column, [felt, named]) = (LIMBS[k], [felt, named].map(|limb| &creature.limbs()[limb]));
+            return wrong(format!(
                 "column {column}: receptor \"{id}\" is on limb {felt}, not on {named}: correct one of the two"
-            ))
+            ));
         }
-        (Some(limb), ..) => Ok(limb),
-        (None, _, Some(id)) if end.point.is_none() || named.is_none() => {
+        (Some(limb), ..) => limb,
+        (None, _, Some(id)) if point.is_none() || named.is_none() => {
             let mend = if skin.receptors.is_empty() {
                 "add a skin to the creature file, or give limbs and points instead of receptors"
             } else {
                 "give the skin that the touches were recorded with"
             };
-            Err(format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]))
+            return wrong(format!("column {}: the skin has no receptor \"{id}\": {mend}", RECEPTORS[k]));
         }
-        (None, Some(_), _) if end.point.is_none() => Err(format!(
-            "end {side} has a limb but no point on it: give the point of contact in the limb's frame, or a receptor"
-        )),
-        (None, Some(limb), _) => Ok(limb),
-        (None, None, _) => Err(format!("end {side} has no limb: name the limb, or a receptor of the skin")),
-    }
+        (None, Some(_), _) if point.is_none() => {
+            return wrong(format!(
+                "end {side} has a limb but no point on it: give the point of contact in the limb's frame, or a receptor"
+            ));
+        }
+        (None, Some(limb), _) => limb,
+        (None, None, _) => {
+            return wrong(format!("end {side} has no limb: name the limb, or a receptor of the skin"));
+        }
+    };
+    Ok(RawEnd { limb, receptor, point, deviation })
 }
 
 /// The receptor of a limb whose centre is nearest to a point.

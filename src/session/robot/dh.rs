@@ -49,9 +49,6 @@ const WORDS: [&str; 5] = ["joint", "parent", "link", "kind", "convention"];
 /// Columns without which a table is none.
 const NEEDED: [&str; 4] = ["joint", "a", "d", "alpha"];
 
-/// What is wrong with a table, with its fix, and in which line.
-type Fault = (usize, String);
-
 /// Reads a robot from the bytes of a table; the file is called `path` in messages, and the robot is, too.
 ///
 /// # Errors
@@ -59,7 +56,13 @@ type Fault = (usize, String);
 pub fn read_dh(path: &Path, bytes: &[u8]) -> Result<Robot, Error> {
     let table = DhTable::read(path, bytes)?;
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("robot");
-    robot(name, &table).map_err(|(line, message)| Error::content(path, Some(line), message))
+    let mut robot = Robot::new(name, BASE);
+    let (mut above, mut order) = (Vec::new(), CONVENTIONS[0].1);
+    for (line, row) in &table.table.rows {
+        add_joint(&mut robot, &table, row, &mut above, &mut order)
+            .map_err(|message| Error::content(path, Some(*line), message))?;
+    }
+    Ok(robot)
 }
 
 /// The table `original`, which `robot` was read from, in its own columns and units, with `values` in the place of the numbers
@@ -77,13 +80,13 @@ pub fn write_dh(path: &Path, original: &[u8], robot: &Robot, values: &[Value]) -
         // Where a cell is to be added, and what is to be in it.
         let mut added = Vec::new();
         for (line, row) in &table.table.rows {
-            let name = format!("{}.{column}", table.text(row, "joint").unwrap_or_default());
+            let name = format!("{}.{column}", table.table.text(row, "joint").unwrap_or_default());
             let Some(quantity) = robot.quantity(&name) else {
                 let message = format!("the robot has no {name}: give the file it was read from");
                 return Err(Error::content(path, Some(*line), message));
             };
             let value = values[quantity].number();
-            match table.at(column) {
+            match table.table.at(column) {
                 Some(at) if value == table.number(row, at, measure).unwrap_or_default() => {}
                 Some(at) => edits.replace(cell_at(original, *line, at), exact(&[table.own_unit(at, value)])),
                 None => added.push((*line, value)),
@@ -123,8 +126,8 @@ fn cell_at(bytes: &[u8], line: usize, cell: usize) -> Range<usize> {
 /// A table whose columns are known.
 struct DhTable {
     table: Table,
-    /// Columns by their names.
-    places: Vec<(&'static str, usize)>,
+    /// The columns of the ends of ranges: there may be one of angles and one of lengths.
+    ends: Vec<(&'static str, usize)>,
 }
 
 impl DhTable {
@@ -144,15 +147,14 @@ impl DhTable {
         let numbers = NUMBERS.map(|(name, measure, _)| (name, Some(measure)));
         let wanted: Vec<_> = WORDS.map(|name| (name, None)).into_iter().chain(numbers).collect();
         let found = table.assign(&wanted).map_err(|fault| Error::content(path, Some(table.line), fault))?;
-        let mut places: Vec<(&'static str, usize)> =
-            wanted.iter().zip(found).filter_map(|((name, _), at)| Some((*name, at?))).collect();
+        let mut ends = Vec::new();
         for at in 0..table.columns.len() {
             let title = table.columns[at].title.clone();
             let (name, unit) = match name_and_unit(&title) {
                 Some((name, Ok(unit))) => (name, Some(unit)),
                 _ => (title.as_str(), None),
             };
-            if places.iter().any(|(_, other)| *other == at) || name == "comment" {
+            if found.contains(&Some(at)) || name == "comment" {
                 continue;
             }
             // A range is of angles or lengths, by what the joint does.
@@ -165,9 +167,9 @@ impl DhTable {
                 return refused(table.line, message);
             };
             table.columns[at].unit = unit;
-            places.push((end, at));
+            ends.push((end, at));
         }
-        let missing = NEEDED.into_iter().find(|needed| places.iter().all(|(name, _)| name != needed));
+        let missing = NEEDED.into_iter().find(|needed| !table.has(needed));
         match missing {
             Some(missing) => {
                 let message = format!(
@@ -178,17 +180,8 @@ impl DhTable {
             None if table.rows.is_empty() => {
                 refused(table.line, "it has no joints: give one joint per row".into())
             }
-            None => Ok(DhTable { table, places }),
+            None => Ok(DhTable { table, ends }),
         }
-    }
-
-    fn at(&self, column: &str) -> Option<usize> {
-        self.places.iter().find(|(name, _)| *name == column).map(|(_, at)| *at)
-    }
-
-    /// What is in a cell, if there is one and it is not empty.
-    fn text<'r>(&self, row: &'r StringRecord, column: &str) -> Option<&'r str> {
-        row.get(self.at(column)?).filter(|text| !text.is_empty())
     }
 
     /// A cell's number in metres or radians; `None` if it has no finite one.
@@ -212,10 +205,15 @@ impl DhTable {
     }
 
     /// A cell's number for a joint. Where its unit is not given, it is refused if it is greater than `greatest`.
-    fn checked(&self, row: &StringRecord, at: usize, measure: Measure, greatest: f64) -> Result<f64, String> {
+    fn checked(
+        &self,
+        row: &StringRecord,
+        (column, at): (&str, usize),
+        measure: Measure,
+        greatest: f64,
+    ) -> Result<f64, String> {
         let text = &row[at];
-        let column = self.places.iter().find(|(_, place)| *place == at).map_or("", |(name, _)| name);
-        let of = format!("{column} of joint {}", self.text(row, "joint").unwrap_or_default());
+        let of = format!("{column} of joint {}", self.table.text(row, "joint").unwrap_or_default());
         let si = self.number(row, at, measure).ok_or_else(|| {
             let fix = match column {
                 "theta" | "d" => "give the constant added to the joint coordinate, such as 0",
@@ -239,16 +237,6 @@ impl DhTable {
     }
 }
 
-/// The robot of a table's joints.
-fn robot(name: &str, table: &DhTable) -> Result<Robot, Fault> {
-    let mut robot = Robot::new(name, BASE);
-    let (mut above, mut order) = (Vec::new(), CONVENTIONS[0].1);
-    for (line, row) in &table.table.rows {
-        add_joint(&mut robot, table, row, &mut above, &mut order).map_err(|message| (*line, message))?;
-    }
-    Ok(robot)
-}
-
 /// Adds the joint of a row and the link that it carries; `above` are those of the rows above, and the convention `order` stays
 /// until a row names another.
 fn add_joint<'a>(
@@ -258,7 +246,7 @@ fn add_joint<'a>(
     above: &mut Vec<(&'a str, String)>,
     order: &mut [usize; 5],
 ) -> Result<(), String> {
-    let text = |column: &str| table.text(row, column);
+    let text = |column: &str| table.table.text(row, column);
     let name = text("joint").ok_or("the joint has no name: give it one")?;
     let link = text("link").map_or_else(|| format!("{name}_link"), str::to_string);
     let (kind, moved) = match text("kind").map(str::to_lowercase).as_deref() {
@@ -278,8 +266,8 @@ fn add_joint<'a>(
     for ((column, measure, _), into) in NUMBERS.into_iter().zip(&mut numbers) {
         let greatest = if measure == Measure::Length { GREATEST_LENGTH } else { GREATEST_TURN };
         let needed = NEEDED.contains(&column);
-        if let Some(at) = table.at(column).filter(|at| needed || !row[*at].is_empty()) {
-            *into = table.checked(row, at, measure, greatest)?;
+        if let Some(at) = table.table.at(column).filter(|at| needed || !row[*at].is_empty()) {
+            *into = table.checked(row, (column, at), measure, greatest)?;
         }
     }
     let range = kind.map_or(Ok([0.0; 2]), |kind| range(table, row, name, kind))?;
@@ -335,15 +323,14 @@ fn range(table: &DhTable, row: &StringRecord, name: &str, kind: DofKind) -> Resu
     };
     let mut range = [-span, span];
     for (column, end) in ["min", "max"].into_iter().zip(&mut range) {
-        // There may be a column of angles and one of lengths.
         let given = |(name, at): &&(&str, usize)| *name == column && !row[*at].is_empty();
-        for (_, at) in table.places.iter().filter(given) {
+        for (_, at) in table.ends.iter().filter(given) {
             if table.table.columns[*at].unit.is_some_and(|unit| unit.measure != measure) {
                 return Err(format!(
                     "{column} of joint {name}, which {moves}, has the wrong unit: give {column}_{unit}"
                 ));
             }
-            *end = table.checked(row, *at, measure, greatest)?;
+            *end = table.checked(row, (column, *at), measure, greatest)?;
         }
     }
     match range[0] < range[1] {

@@ -19,13 +19,9 @@ use crate::session::recording::{creature_of, list, typed};
 
 /// Length of a direction at the most that is given without regard to it.
 const GREATEST_DIRECTION: f64 = 1e6;
-/// The fields of [`Extras`].
-const EXTRAS: [&str; 9] =
-    ["frames", "points", "surfaces", "masses", "gravity", "values", "free", "fix", "prior"];
-
 /// What is on a robot, and what is known of it.
 #[derive(Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, expecting = "an object")]
 struct Extras {
     frames: Vec<FrameJson>,
     points: Vec<PointJson>,
@@ -36,6 +32,9 @@ struct Extras {
     free: Vec<String>,
     fix: Vec<String>,
     prior: BTreeMap<String, Deviation>,
+    /// All else is of the creature.
+    #[serde(flatten)]
+    creature: serde_json::Map<String, serde_json::Value>,
 }
 
 /// A deviation: a number in the quantity's own unit, or a text with a unit.
@@ -113,15 +112,11 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<RobotFile, Error> {
     if let Some(creature) = value.get_mut("creature").map(serde_json::Value::take) {
         value = creature;
     }
-    let mut extras = serde_json::Map::new();
-    if let Some(object) = value.as_object_mut() {
-        extras.extend(EXTRAS.into_iter().filter_map(|name| object.remove_entry(name)));
-    }
-    let read = typed(extras.into(), "").and_then(|extras| robot(value, extras, bytes));
-    read.map_err(refuse)
+    typed(value, "").and_then(|extras| robot(extras, bytes)).map_err(refuse)
 }
 
-fn robot(mut description: serde_json::Value, extras: Extras, bytes: Vec<u8>) -> Result<RobotFile, String> {
+fn robot(mut extras: Extras, bytes: Vec<u8>) -> Result<RobotFile, String> {
+    let mut description = serde_json::Value::from(std::mem::take(&mut extras.creature));
     let (mut nominal, mut unplaced) = (Vec::new(), Vec::new());
     for (j, joint) in list(&mut description, "joints").enumerate() {
         let position = three(joint, "position", &format!("joints[{j}]."))?;
@@ -144,7 +139,7 @@ fn robot(mut description: serde_json::Value, extras: Extras, bytes: Vec<u8>) -> 
     let mut robot = robot_of(&creature, &nominal);
     let says_what_is_open = add_extras(&mut robot, extras)?;
     let read = RobotFile::new(robot, RobotFormat::Json, bytes);
-    Ok(RobotFile { creature: Some(creature), unplaced, says_what_is_open, ..read })
+    Ok(RobotFile { unplaced, says_what_is_open, ..read })
 }
 
 /// A robot with a creature's limbs and joints at their positions and axes on their parents, one for each joint. A limb's frame has
@@ -360,10 +355,8 @@ pub(super) fn with_values(bytes: &[u8], robot: &Robot, values: &[Value]) -> Writ
 
 /// A value as a file has it.
 pub(crate) fn json_of(value: &Value) -> serde_json::Value {
-    let three = |v: Vector3<f64>| serde_json::json!([v.x, v.y, v.z]);
-    match value {
-        Value::Position(v) | Value::Direction(v) => three(*v),
-        Value::Orientation(r) => three(Rotation3::from_matrix_unchecked(*r).scaled_axis()),
-        Value::Number(x) => serde_json::json!(x),
+    match value.numbers().as_slice() {
+        [number] => serde_json::json!(number),
+        numbers => serde_json::json!(numbers),
     }
 }

@@ -23,12 +23,12 @@ use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::error::Error;
+use crate::evaluation::Summary;
 use crate::named::did_you_mean;
 use crate::plausible::{is_angle, is_length};
-use crate::session::log::table::{CellFault, Column, LIMBS, POINTS, Quantity, RECEPTORS};
+use crate::session::log::table::{CellFault, LIMBS, POINTS, Quantity, RECEPTORS};
 use crate::session::log::units::Measure;
 use crate::session::log::{Log, LogJoint, far_angles};
-use crate::session::recording::median;
 
 const DISTANCE: &str = "distance";
 const TOUCH: &str = "touch";
@@ -58,7 +58,7 @@ pub struct CalibrationLog {
 pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog, Error> {
     let mut log = read_log(path, robot)?;
     let rows = log.rows(|log, line, row| {
-        Ok((log.text(row, TOUCH).map(str::to_string), touch_of(log, robot, line, row)?))
+        Ok((log.table.text(row, TOUCH).map(str::to_string), touch_of(log, robot, line, row)?))
     })?;
     let mut touches: Vec<Touch> = Vec::new();
     // Lines of one name and links are contacts of one touch; a line without a name is a touch of its own.
@@ -106,34 +106,33 @@ pub fn read_calibration_log(path: &Path, robot: &Robot) -> Result<CalibrationLog
 /// # Errors
 /// As of [`read_calibration_log`]; also where a place is said to be at two positions.
 pub fn add_fixed_places(path: &Path, robot: &mut Robot) -> Result<(), Error> {
-    let log = read_log(path, robot)?;
-    let mut named = Vec::new();
-    for (line, row) in &log.table.rows {
-        let Some(name) = log.text(row, PLACE).filter(|name| robot.surface(name).is_none()) else { continue };
-        match point(&log, row, 1) {
-            Ok(said) => named.push((*line, name.to_string(), said)),
-            // The row is left out where the log is read.
-            Err(CellFault::NotFinite(_)) => {}
-            Err(CellFault::Wrong(fault)) => return Err(log.refused(*line, fault)),
-        }
-    }
-    let own = robot.links.len();
+    let bare = robot.clone();
+    let log = read_log(path, &bare)?;
     let mut unsaid = Vec::new();
-    for (line, name, said) in named {
-        match (robot.link(&name), said) {
+    for (line, row) in &log.table.rows {
+        let Some(name) = log.table.text(row, PLACE).filter(|name| bare.surface(name).is_none()) else {
+            continue;
+        };
+        let said = match point(&log, row, 1) {
+            Ok(said) => said,
+            // The row is left out where the log is read.
+            Err(CellFault::NotFinite(_)) => continue,
+            Err(CellFault::Wrong(fault)) => return Err(log.refused(*line, fault)),
+        };
+        match (robot.link(name), said) {
             (None, _) => {
-                let link = robot.add_place(&name, 0, said.unwrap_or_default());
+                let link = robot.add_place(name, 0, said.unwrap_or_default());
                 if said.is_none() {
                     unsaid.push((link, robot.quantities.len() - 1));
                 }
             }
-            (Some(link), Some(at)) if link >= own => {
+            (Some(link), Some(at)) if link >= bare.links.len() => {
                 let Element::Shift(position) = robot.links[link].elements[0] else { continue };
                 if (robot.quantities[position].nominal.vector() - at).norm() > SAME_POINT {
                     let fault = format!(
                         "place {name} is at a different position than before: give it one position, or use another name"
                     );
-                    return Err(Error::content(path, Some(line), fault));
+                    return Err(log.refused(*line, fault));
                 }
             }
             (Some(_), _) => {}
@@ -179,7 +178,9 @@ fn read_log<'a>(path: &'a Path, robot: &'a Robot) -> Result<Log<'a>, Error> {
 
 /// What is wrong with columns that do not name what touched on both sides, and where a joint was.
 fn column_fault(log: &Log, robot: &Robot) -> Option<String> {
-    let names = |side: usize| log.has(LIMBS[side]) || log.has(RECEPTORS[side]) || side == 1 && log.has(PLACE);
+    let names = |side: usize| {
+        log.table.has(LIMBS[side]) || log.table.has(RECEPTORS[side]) || side == 1 && log.table.has(PLACE)
+    };
     if let Some(side) = (0..2).find(|&side| !names(side)) {
         return Some(format!("column {} is missing: name the link on this side", LIMBS[side]));
     }
@@ -202,20 +203,20 @@ fn column_fault(log: &Log, robot: &Robot) -> Option<String> {
 /// The touch of a row, or the contact that it has of one.
 fn touch_of(log: &Log, robot: &Robot, line: usize, row: &StringRecord) -> Result<Touch, CellFault> {
     let ends = [end(log, robot, row, 0)?, end(log, robot, row, 1)?];
-    if log.text(row, TOUCH).is_none()
+    if log.table.text(row, TOUCH).is_none()
         && let Some(side) = ends.iter().position(Option::is_none)
     {
         let message = format!("column {} is empty: name the link", LIMBS[side]);
         return Err(CellFault::Wrong(message));
     }
-    let distance = log.given(row, DISTANCE).map(|at| number(log, row, at)).transpose()?;
+    let distance = log.table.given(row, DISTANCE).map(|at| number(log, row, at)).transpose()?;
     let links = ends.map(|end| end.map_or(usize::MAX, |end| end.feature.link(robot)));
     Ok(Touch {
         line,
         posture: posture(log, robot, row, links)?,
         ends: ends.map(|end| end.into_iter().collect()),
         distance: distance.unwrap_or_default(),
-        time: log.text(row, TIME).and_then(|cell| cell.parse().ok()),
+        time: log.table.text(row, TIME).and_then(|cell| cell.parse().ok()),
     })
 }
 
@@ -245,8 +246,8 @@ fn point(log: &Log, row: &StringRecord, side: usize) -> Result<Option<Vector3<f6
 /// What touched on a side.
 fn end(log: &Log, robot: &Robot, row: &StringRecord, side: usize) -> Result<Option<End>, CellFault> {
     let wrong = |message: String| Err(CellFault::Wrong(message));
-    let place = log.text(row, PLACE).filter(|_| side == 1);
-    let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| log.text(row, names[side]));
+    let place = log.table.text(row, PLACE).filter(|_| side == 1);
+    let [limb, receptor] = [LIMBS, RECEPTORS].map(|names| log.table.text(row, names[side]));
     if let (Some(place), Some(other)) = (place, limb.or(receptor)) {
         let column = LIMBS[1];
         return wrong(format!("both {place} and {other} are given: leave column place or {column} empty"));
@@ -331,8 +332,8 @@ fn refuse_millimetres(log: &Log, robot: &Robot, touches: &[Touch]) -> Result<(),
                 Feature::Point(_, point) => Some(point.norm()),
                 Feature::Surface(_) => None,
             });
-        let median = median(distances.collect()).filter(|median| *median > FAR * size);
-        if let Some(median) = median.filter(|_| log.column(x).is_some_and(Column::is_si)) {
+        let median = Summary::of(distances).median;
+        if median > FAR * size && log.table.at(x).is_some_and(|at| log.table.columns[at].is_si()) {
             let message = format!(
                 "half of the points {x}, {y}, {z} are more than {median:.0} m from their limb's origin, and {} is about \
                  {size:.1} m long: if these are millimetres, call the columns {x}_mm, {y}_mm, {z}_mm",

@@ -10,11 +10,11 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{follow, moved, surface_name};
-use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
-use crate::creature::{DofKind, body_name, joint_name, largest, limits, matrix, span};
+use crate::calibration::robot::{Element, Form, LinkMass, Robot, Value};
+use crate::creature::{DofKind, body_name, joint_couplings, joint_name, largest, limits, matrix, span};
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
-use crate::mujoco::{Equality, GeomKind, JointKind, Model};
+use crate::mujoco::{GeomKind, JointKind, Model};
 
 /// Reads a robot from an MJCF file and what it includes, in its maker's frames, and tells what of the file is of no use here,
 /// a sentence each. Of a model that stands on the world the world is the root; of one that a free joint carries the body
@@ -67,12 +67,7 @@ struct Following {
 
 /// Joints that equalities let follow others; none of those that follow by no straight line.
 fn followers(model: &Model) -> BTreeMap<usize, Option<Following>> {
-    let mut direct: BTreeMap<usize, (Option<usize>, [f64; 5])> = BTreeMap::new();
-    for equality in model.equalities() {
-        if let Equality::Joint { follower, leader, polynomial } = equality {
-            direct.entry(follower).or_insert((leader.filter(|leader| *leader != follower), polynomial));
-        }
-    }
+    let direct = joint_couplings(model);
     let following = |joint: usize| {
         let mut found = Following { leader: Some(joint), gain: 1.0, offset: 0.0 };
         // Who follows in a circle follows nobody.
@@ -119,11 +114,8 @@ impl Reader<'_> {
                 }
                 continue;
             };
-            let shift = Value::Position(body.pos);
-            let shift = self.robot.add_quantity(format!("{name}.position"), Unit::Metre, shift);
-            let turn = Value::Orientation(matrix(&body.quat));
-            let turn = self.robot.add_quantity(format!("{name}.orientation"), Unit::Radian, turn);
-            let mut elements = vec![Element::Shift(shift), Element::Turn(turn)];
+            let pose = Frame { rotation: matrix(&body.quat), origin: body.pos };
+            let mut elements = self.robot.add_pose(&name, pose).to_vec();
             for j in body.joints {
                 let joint = self.model.joint(j);
                 let anchor = Frame { origin: joint.pos, ..Frame::identity() };

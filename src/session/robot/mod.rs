@@ -19,11 +19,10 @@ pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
 pub use log_writer::calibration_table;
 pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
 
-use crate::calibration::robot::{Element, Form, Knowledge, Robot, RobotDof, Unit, Value};
-use crate::creature::{Creature, DofKind};
+use crate::calibration::robot::{Element, Form, Robot, RobotDof, Unit, Value};
+use crate::creature::DofKind;
 use crate::error::Error;
 use crate::geometry::Frame;
-use crate::learning::KnownJoint;
 use crate::model_files::{begins_as, first_letter};
 use crate::plausible::{
     GREATEST_ANGLE, GREATEST_COEFFICIENT, GREATEST_LENGTH, is_angle, is_length, place_fault, pose_fault,
@@ -72,8 +71,6 @@ pub struct RobotFile {
     bytes: Vec<u8>,
     /// How many links and quantities the robot has from the file.
     own: [usize; 2],
-    /// Its tree as a creature, where the file is one.
-    pub creature: Option<Creature>,
     /// Joints of which the file does not say where they are.
     pub unplaced: Vec<String>,
     /// Whether the file says what is unknown.
@@ -131,8 +128,8 @@ impl RobotFile {
     /// A robot of a file that says no more.
     fn new(robot: Robot, format: RobotFormat, bytes: Vec<u8>) -> RobotFile {
         let own = [robot.links.len(), robot.quantities.len()];
-        let (creature, unplaced, notes) = (None, Vec::new(), Vec::new());
-        RobotFile { robot, format, bytes, own, creature, unplaced, says_what_is_open: false, notes }
+        let (unplaced, notes) = (Vec::new(), Vec::new());
+        RobotFile { robot, format, bytes, own, unplaced, says_what_is_open: false, notes }
     }
 
     /// The file with other values, in the frames and units that it was given in: only the numbers that changed are others.
@@ -147,35 +144,6 @@ impl RobotFile {
                 Ok(xml_writer::write_xml(path, &self.bytes, &self.robot, self.own, values)?)
             }
             RobotFormat::Dh => dh::write_dh(path, &self.bytes, &self.robot, values),
-        }
-    }
-}
-
-/// Puts what is known of a creature's joints into its robot: nominal values, and how nearly they are known.
-pub fn apply_known(robot: &mut Robot, creature: &Creature, joints: &[KnownJoint]) {
-    let knowledge = |exact: bool, deviation: f64| match (exact, deviation.is_finite()) {
-        (true, _) => Knowledge::Known,
-        (false, true) => Knowledge::Near(deviation),
-        (false, false) => Knowledge::Free,
-    };
-    for known in joints {
-        let joint = &creature.joints()[known.joint];
-        if let (Some([position, deviation]), Some(at)) =
-            (known.position, robot.quantity(&format!("{}.position", joint.name)))
-        {
-            robot.quantities[at].nominal = Value::Position(position);
-            for i in 0..3 {
-                robot.quantities[at].knowledge[i] = knowledge(known.exact, deviation[i]);
-            }
-        }
-        for (dof, axis, deviation) in &known.axes {
-            let place = dof - joint.first_dof();
-            if let Some(at) =
-                joint.dofs.get(place).and_then(|dof| robot.quantity(&format!("{}.axis", dof.name)))
-            {
-                robot.quantities[at].nominal = Value::Direction(*axis);
-                robot.quantities[at].knowledge = [knowledge(known.exact, *deviation); 3];
-            }
         }
     }
 }

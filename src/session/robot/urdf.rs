@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use super::{follow, moved, surface_name};
-use crate::calibration::robot::{Element, Form, LinkMass, Robot, Unit, Value};
+use crate::calibration::robot::{Element, Form, LinkMass, Robot};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
 use crate::model_files::{
@@ -66,11 +66,7 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
                 continue;
             }
         };
-        let shift = Value::Position(origin.place);
-        let shift = robot.add_quantity(format!("{name}.position"), Unit::Metre, shift);
-        let turn = Value::Orientation(origin.rotation());
-        let turn = robot.add_quantity(format!("{name}.orientation"), Unit::Radian, turn);
-        let mut elements = vec![Element::Shift(shift), Element::Turn(turn)];
+        let mut elements = robot.add_pose(name, origin.frame()).to_vec();
         if let Some(kind) = kind {
             let span = if kind == DofKind::Slide { UNLIMITED_SLIDE } else { std::f64::consts::PI };
             let range = joint.limits.unwrap_or([-span, span]);

@@ -29,10 +29,7 @@ pub fn write_report(
     let agent = &session.agent;
     let creature = agent.creature();
     let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
-    let found = LearningRecord::read(folder, creature)?;
-    // Sessions from before there was a record still have their schema and touches.
-    let unknown = LearningRecord::unknown(creature);
-    let record = found.as_ref().unwrap_or(&unknown);
+    let record = LearningRecord::read(folder, creature)?;
     let touches = &touches[..record.touches.min(touches.len())];
     let joints = creature.joints();
     let undetermined: Vec<usize> =
@@ -51,39 +48,39 @@ pub fn write_report(
         evaluation: evaluation.as_ref(),
         touches,
         residual: touch_misses(agent, &schema, touches),
-        record,
+        record: &record,
         predictions: &predictions,
         space: space.as_ref(),
-        seed: found.as_ref().map_or(session.seed, |found| found.seed),
-        commands: commands(session, found.as_ref()),
-        facts: facts(session, found.as_ref()),
-        converged: found.as_ref().map(|found| found.converged),
-        seconds: seconds(session, found.as_ref()),
+        seed: if record.program.is_empty() { session.seed } else { record.seed },
+        commands: commands(session, &record),
+        facts: facts(session, &record),
+        converged: Some(record.converged),
+        seconds: seconds(session, &record),
         undetermined: &undetermined,
     };
     let path = folder.join(REPORT_FILE);
     write_whole(&path, html(&report).as_bytes()).map_err(Error::unwritable(&path))?;
-    Ok((found.unwrap_or(unknown), evaluation))
+    Ok((record, evaluation))
 }
 
 /// How long touching and learning took in all, as far as that was kept.
-fn seconds(session: &Session, learned: Option<&LearningRecord>) -> Option<f64> {
-    let learning = learned?.seconds?;
+fn seconds(session: &Session, learned: &LearningRecord) -> Option<f64> {
+    let learning = learned.seconds?;
     Some(session.effort.map_or(0.0, |effort| effort.babbling_s) + learning)
 }
 
 /// The command lines that made the session and, if by another, what was learned from it.
-fn commands(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, String)> {
-    let again = learned.map(|learned| &learned.command).filter(|command| **command != session.command);
+fn commands(session: &Session, learned: &LearningRecord) -> Vec<(String, String)> {
+    let again = Some(&learned.command).filter(|command| **command != session.command);
     let commands = [("Made by", Some(&session.command)), ("Learned by", again)].into_iter();
     let kept = commands.filter_map(|(what, command)| Some((what, command?))).filter(|(_, c)| !c.is_empty());
     kept.map(|(what, command)| (what.to_string(), shell_words(command))).collect()
 }
 
 /// How the session came about, and how it was learned from.
-fn facts(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, String)> {
+fn facts(session: &Session, learned: &LearningRecord) -> Vec<(String, String)> {
     let effort = session.effort.as_ref();
-    let host = learned.and_then(|learned| learned.host.as_ref()).or(session.host.as_ref());
+    let host = learned.host.as_ref().or(session.host.as_ref());
     let recording = session.recording.as_ref();
     let simulated = recording.is_none();
     let facts = [
@@ -101,5 +98,5 @@ fn facts(session: &Session, learned: Option<&LearningRecord>) -> Vec<(String, St
         ("simulated", effort.and_then(|effort| Some(format!("{:.0} s", effort.simulated_s()?)))),
     ];
     let facts = facts.into_iter().filter_map(|(name, value)| Some((name.to_string(), value?)));
-    facts.chain(learned.into_iter().flat_map(|learned| learned.facts.iter().cloned())).collect()
+    facts.chain(learned.facts.iter().cloned()).collect()
 }

@@ -12,6 +12,7 @@ use bodyschema::session::{
     read_calibration_log, read_creature, read_firings, read_known, read_learning_table, read_map,
     read_recording, read_robot, read_schema_with_std, read_touches, write_firings, write_map,
 };
+use bodyschema::share::Share;
 use bodyschema::simulation::partner::Script;
 use bodyschema::skin::SomatotopicMap;
 use bodyschema::study::{Asked, StudyOptions, StudyShare};
@@ -284,7 +285,13 @@ impl Yard {
         let bouts = [0, 3, 6].map(|bout| BoutLine { bout, touches: 25, effort: effort.of_motions });
         BoutLog::go_on(&folder, &bouts).unwrap().finish().unwrap();
         let good = fs::read(folder.join("bouts.csv")).unwrap();
-        add("bouts", "bouts.csv", &good, 2, Box::new(|path| taken(read_bouts(within(path)))));
+        add(
+            "bouts",
+            "bouts.csv",
+            &good,
+            2,
+            Box::new(|path| taken(read_bouts(within(path), Share::new(1, 3).unwrap()))),
+        );
         let share = StudyShare {
             share: "3/16".into(),
             command: ["bodyschema", "study", "learners", "--shard", "3/16"].map(String::from).to_vec(),

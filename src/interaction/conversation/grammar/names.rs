@@ -88,11 +88,6 @@ impl PartName {
         self.words.join(" ")
     }
 
-    /// Whether one of its words is this.
-    pub fn has(&self, word: &str) -> bool {
-        self.words.iter().any(|own| own == word)
-    }
-
     /// Whether it is what acts: a hand, an arm, a finger.
     pub fn is_hand(&self) -> bool {
         let last = self.words.last().is_some_and(|last| HANDS.split(' ').any(|hand| hand == last));

@@ -1,7 +1,5 @@
 //! The tables of a calibration, for its page, for a terminal, and as files.
 
-use nalgebra::{Rotation3, Vector3};
-
 use crate::calibration::Calibration;
 use crate::calibration::robot::Value;
 use crate::session::{joint_cells, joint_titles, name_of};
@@ -34,29 +32,19 @@ pub fn quantities(found: &Calibration) -> Table {
 
 /// A value as a person reads it.
 fn words(value: &Value, factor: f64) -> String {
-    let three =
-        |v: Vector3<f64>, digits: usize| format!("{:.*} {:.*} {:.*}", digits, v.x, digits, v.y, digits, v.z);
-    match value {
-        Value::Position(at) => three(at * factor, 3),
-        Value::Direction(axis) => three(*axis, 4),
-        Value::Orientation(rotation) => three(rotation_vector(rotation) * factor, 3),
-        Value::Number(number) => format!("{:.4}", number * factor),
-    }
-}
-
-fn rotation_vector(rotation: &nalgebra::Matrix3<f64>) -> Vector3<f64> {
-    Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+    let (digits, factor) = match value {
+        Value::Position(_) | Value::Orientation(_) => (3, factor),
+        Value::Direction(_) => (4, 1.0),
+        Value::Number(_) => (4, factor),
+    };
+    let words = value.numbers().into_iter().map(|number| format!("{:.*}", digits, number * factor));
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// Estimated quantities, a row for each number, in metres and radians.
 pub fn numbers(found: &Calibration) -> Table {
-    let numbers = |value: &Value| match value {
-        Value::Position(v) | Value::Direction(v) => v.iter().copied().collect(),
-        Value::Orientation(rotation) => rotation_vector(rotation).iter().copied().collect(),
-        Value::Number(x) => vec![*x],
-    };
     let rows = found.open().flat_map(|(q, quantity)| {
-        let (before, after) = (numbers(&quantity.nominal), numbers(&found.fit.values[q]));
+        let (before, after) = (quantity.nominal.numbers(), found.fit.values[q].numbers());
         let deviations = found.deviations(q);
         (0..before.len()).map(move |k| {
             // Of a direction there is one for each way it turns aside.

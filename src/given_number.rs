@@ -1,18 +1,18 @@
-//! Numbers from the command line.
+//! Numbers that somebody gives on the command line.
 
-/// How many of something, from the command line.
-pub fn count(text: &str) -> Result<usize, String> {
+/// How many of something.
+pub(crate) fn count(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|number| (1..=100_000_000).contains(number));
     number.ok_or_else(|| "give a whole number, at least 1 and at most 100000000".into())
 }
 
-/// A number above 0 from the command line.
-pub fn positive(text: &str) -> Result<f64, String> {
+/// A number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     not_negative(text).ok().filter(|number| *number > 0.0).ok_or_else(|| "give a number above 0".into())
 }
 
-/// A number from the command line that is not negative.
-pub fn not_negative(text: &str) -> Result<f64, String> {
+/// A number that is not negative.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| *number >= 0.0 && number.is_finite());
     number.ok_or_else(|| "give a number that is not negative".into())
 }
