@@ -11,7 +11,7 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::generated::GeneratedBody;
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::deadline::{Deadline, Tally, apart, count};
@@ -34,46 +34,13 @@ pub(super) const STUDY: Study = Study {
     touches: Some(1000),
     seconds: Some(50.0),
     cases: || WAYS.iter().map(|way| way.name.to_string()).collect(),
-    columns: &[
-        Column::new("way", &[By::Case]),
-        Column::new("family", &[By::Part]),
-        Column::new("seed", &[]),
-        Column::new("limb_m", &[]),
-        Column::new("limbs", &[]),
-        Column::new("dof", &[]),
-        Column::new("hinges", &[]),
-        Column::new("slides", &[]),
-        Column::new("balls", &[]),
-        Column::new("locked", &[]),
-        Column::new("spins", &[]),
-        Column::new("followers", &[]),
-        Column::new("skew", &[]),
-        Column::new("policy", &[]),
-        Column::new("touches", &[]),
-        Column::new("outcome", &[]),
-        Column::new("touched", &[By::Sum]),
-        Column::new("refused", &[By::Sum]),
-        Column::new("whole", &[By::Sum]),
-        Column::new("learned", &[By::Sum]),
-        Column::new("learned_partly", &[By::Sum]),
-        Column::new("not_learned", &[By::Sum]),
-        Column::new("late", &[By::Sum]),
-        Column::new("joints", &[]),
-        Column::new("joints_named", &[]),
-        Column::new("heldout_mm", &[]),
-        Column::new("worst_heldout_mm", &[]),
-        Column::new("heldout_percent", &[By::Median]),
-        Column::new("right", &[]),
-        Column::new("pairs", &[By::Sum]),
-        Column::new("determined", &[By::Sum]),
-        Column::new("claims", &[By::Sum]),
-        Column::new("wrong", &[By::Sum]),
-        Column::new("worst_mm", &[]),
-        Column::new("worst_deviations", &[]),
-        Column::new("work_s", &[By::Median]),
-        Column::new("reason", &[]),
-        Column::new("command", &[]),
-    ],
+    columns: columns! {
+        way: Case, family: Part, seed, limb_m, limbs, dof, hinges, slides, balls, locked, spins, followers,
+        skew, policy, touches, outcome, touched: Sum, refused: Sum, whole: Sum, learned: Sum,
+        learned_partly: Sum, not_learned: Sum, late: Sum, joints, joints_named, heldout_mm,
+        worst_heldout_mm, heldout_percent: Median, right, pairs: Sum, determined: Sum, claims: Sum,
+        wrong: Sum, worst_mm, worst_deviations, work_s: Median, reason, command,
+    },
     notes: &[
         "whole: bodies of which 95 % of all held-out points are off by at most 1 % of the typical limb's length, whatever the \
          learner says; right: the share of these points. learned, learned_partly, not_learned: what the learner says; gradient \
