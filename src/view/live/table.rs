@@ -15,7 +15,7 @@ use crate::ground_truth::GroundTruth;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
 use crate::skin::{Skin, surface_of_body};
-use crate::view::body::{BodyMesh, BodyScene, Pose};
+use crate::view::body::{BodyMesh, BodyScene, Pose, mesh_of_surfaces};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -58,8 +58,8 @@ impl TableView {
         for thing in (0..model.nbody()).filter(|&b| body.limb_of_body[b].is_none()) {
             let mut skin = Skin { receptors: Vec::new(), surfaces: surface_of_body(model, thing) };
             skin.surfaces.iter_mut().for_each(|surface| surface.limb = things.len());
-            let mesh = BodyMesh::of_surfaces(&skin);
-            if !mesh.pieces.is_empty() {
+            let mesh = mesh_of_surfaces(&skin);
+            if !mesh.is_empty() {
                 things.push((thing, stage.thing_name(thing), mesh));
             }
         }
@@ -119,7 +119,7 @@ impl LivePage for TableView {
         let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
         for (k, (_, name, mesh)) in self.things.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
-            let labels = vec![name.clone(); mesh.pieces.len()];
+            let labels = vec![name.clone(); mesh.len()];
             scene.add_mesh("things", "things", mesh.clone(), colour).labels = labels;
         }
         let poses = |mesh: usize| if mesh < 2 { &own } else { &things };

@@ -2,10 +2,12 @@
 
 use std::fmt::Write;
 
+use serde_json::Value;
+
 use super::ReportInput;
 use crate::session::Checkpoint;
 use crate::skin::{Receptor, Skin};
-use crate::view::body::{AURAS, Beside, BodyScene, MAP, Pose, Step, certainty};
+use crate::view::body::{AURAS, BodyScene, MAP, Pose, certainty, step};
 use crate::view::text::plural;
 
 /// Most steps of the slider, …
@@ -52,7 +54,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let Some(room) = BodyScene::room_of(all) else {
         return format!("{above}<p class=\"note\">Nothing to draw.</p>\n");
     };
-    let bare = scene.meshes[0].pieces.is_empty();
+    let bare = scene.meshes[0].is_empty();
     scene.hidden = if bare { vec![AURAS, MAP] } else { vec!["receptors", AURAS, MAP] };
     if bare {
         // Receptors alone have neither limbs to be seen nor auras about them.
@@ -63,10 +65,8 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let several = scene.steps.len() > 1;
     scene.room = room;
     let sides = room[1] - room[0];
-    scene.beside = Some(Beside {
-        above: above.into(),
-        aspect: (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST),
-    });
+    let aspect = (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST);
+    scene.beside = Some((above.into(), aspect));
     let over = if input.truth.is_some() { " over the true one (grey)" } else { "" };
     let caption = format!(
         "The learned body{over}, in the rest posture. Point at a limb to see how well it is located; click it to pick it \
@@ -110,22 +110,18 @@ fn legend(most: usize, shade: &dyn Fn(usize) -> f64) -> String {
 }
 
 /// The checkpoints that there is room for, the first and the last at any rate.
-fn steps(input: &ReportInput) -> Vec<Step> {
+fn steps(input: &ReportInput) -> Vec<Value> {
     let (creature, touches) = (input.agent.creature(), input.touches.len());
-    let step = |touches: usize, millimetres: Option<f64>, schema| Step {
-        name: if touches == 0 { "initial guess".to_string() } else { touches.to_string() },
-        touches,
-        millimetres,
-        poses: "learned",
-        pose: Pose::at_rest(creature, schema),
-    };
     let before: Vec<&Checkpoint> =
         input.record.checkpoints.iter().filter(|at| at.touches < touches).collect();
     let most = (MOST_LIMBS_OF_STEPS / creature.limbs().len().max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
     let every = before.len().div_ceil(most - 1).max(1);
-    let earlier = before.iter().step_by(every).map(|at| step(at.touches, at.error_rms, &at.schema));
-    let last = input.record.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
-    let last = Step { name: touches.to_string(), ..step(touches, last, input.schema) };
+    let earlier = before.iter().step_by(every).map(|at| {
+        let name = if at.touches == 0 { "initial guess".to_string() } else { at.touches.to_string() };
+        step(&name, at.touches, at.error_rms, &Pose::at_rest(creature, &at.schema))
+    });
+    let off = input.record.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
+    let last = step(&touches.to_string(), touches, off, &Pose::at_rest(creature, input.schema));
     earlier.chain([last]).collect()
 }
 
