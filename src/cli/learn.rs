@@ -10,7 +10,6 @@ use super::open::known_truth;
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::learning::{Input, Learner, LimbFrames};
-use crate::senses::RecordedTouch;
 use crate::session::{BabbledSession, FolderLock, LearningOptions, ReadLock, Session};
 
 /// Learn again from the touches of a session, or from a recording of a real body.
@@ -78,16 +77,14 @@ const RECORDING_HELP: &str = r#"Example of a recording: an elbow, and two touche
   {"posture": {"elbow_pitch": 0.75}, "limbs": ["base", "forearm"], "contacts": [[0.08, 0.01, 0.02], [0.21, 0.0, 0.01]]}"#;
 
 pub fn run(args: &LearnArguments) -> Outcome {
-    let Learnable { lock, made, session, touches, learning } =
-        match (&args.session, &args.creature, &args.log) {
-            (Some(folder), ..) => args.session(folder)?,
-            (None, Some(creature), Some(log)) => args.recording(creature, log)?,
-            // The parser sees to it that there is one or the other.
-            _ => return Err("give a session's folder, or --creature and --log".into()),
-        };
-    let truth = known_truth(&session, args.model.as_deref())?;
+    let Learnable { lock, made, babbled, learning } = match (&args.session, &args.creature, &args.log) {
+        (Some(folder), ..) => args.session(folder)?,
+        (None, Some(creature), Some(log)) => args.recording(creature, log)?,
+        // The parser sees to it that there is one or the other.
+        _ => return Err("give a session's folder, or --creature and --log".into()),
+    };
+    let truth = known_truth(&babbled.session, args.model.as_deref())?;
     let bars = Bars::default();
-    let babbled = BabbledSession { session, touches, grown: None };
     if let Some(made) = made {
         made.write(lock.part()?)?;
     }
@@ -122,8 +119,7 @@ struct Learnable {
     lock: FolderLock,
     /// The session that is new in it; `None` if it is there.
     made: Option<BabbledSession>,
-    session: Session,
-    touches: Vec<RecordedTouch>,
+    babbled: BabbledSession,
     learning: LearningOptions,
 }
 
@@ -132,39 +128,30 @@ impl LearnArguments {
     fn session(&self, folder: &Path) -> Result<Learnable, Failure> {
         let own = self.out.is_none().then(|| written_session(folder)).transpose()?;
         let reading = ReadLock::take(folder)?;
-        let mut session = Session::read(folder)?;
-        let mut touches = read_log(folder, &session.agent)?;
+        let session = Session::read(folder)?;
+        let touches = read_log(folder, &session.agent)?;
         drop(reading);
         let learning = self.learning.options_for(&session)?;
-        let made = own.is_none().then(|| BabbledSession {
-            session: session.clone(),
-            touches: touches.clone(),
-            grown: None,
-        });
-        let lock = own.map_or_else(|| self.new_folder(&session), Ok)?;
-        touches.truncate(self.touches.unwrap_or(usize::MAX));
-        session.seed = self.seed.unwrap_or(session.seed);
-        Ok(Learnable { lock, made, session, touches, learning })
+        let mut babbled = BabbledSession { session, touches, grown: None };
+        let made = own.is_none().then(|| babbled.clone());
+        let lock = own.map_or_else(|| self.new_folder(&babbled.session), Ok)?;
+        babbled.touches.truncate(self.touches.unwrap_or(usize::MAX));
+        babbled.session.seed = self.seed.unwrap_or(babbled.session.seed);
+        Ok(Learnable { lock, made, babbled, learning })
     }
 
     /// What is learned from a recording, of which a session is made.
     fn recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
         let (asked, command) = (self.learning.bare(None), output::command_line());
         let of = (creature, log);
-        let mut recorded = BabbledSession::of_recording(
-            of,
-            self.touches.unwrap_or(usize::MAX),
-            self.seed,
-            &asked,
-            command,
-            &Bars::default(),
-        )?;
+        let most = self.touches.unwrap_or(usize::MAX);
+        let mut babbled =
+            BabbledSession::of_recording(of, most, self.seed, &asked, command, &Bars::default())?;
         let known = self.learning.known.as_ref().map(|known| known.display().to_string());
-        recorded.session.options.known = known;
-        let learning = self.learning.options_for(&recorded.session)?;
-        let lock = self.new_folder(&recorded.session)?;
-        let BabbledSession { session, touches, .. } = recorded.clone();
-        Ok(Learnable { lock, made: Some(recorded), session, touches, learning })
+        babbled.session.options.known = known;
+        let learning = self.learning.options_for(&babbled.session)?;
+        let lock = self.new_folder(&babbled.session)?;
+        Ok(Learnable { lock, made: Some(babbled.clone()), babbled, learning })
     }
 
     fn new_folder(&self, session: &Session) -> Result<FolderLock, Failure> {

@@ -51,7 +51,7 @@ pub struct ViewArguments {
 
 pub fn run(args: &ViewArguments) -> Outcome {
     // An address that cannot be had is told of before anything is read.
-    let place = live::place_at(args.live, !args.no_open && std::io::stdin().is_terminal())?;
+    let place = live::Place::new(args.live, !args.no_open && std::io::stdin().is_terminal())?;
     let what = if args.what.is_empty() { newest()? } else { args.what.clone() };
     let all = what.iter().map(|one| looked_at(one, args)).collect::<Result<Vec<LookedAt>, Failure>>()?;
     live::look(LookingView::new(all), place)

@@ -255,19 +255,11 @@ impl StudyRun {
         Ok(TrialRecord { seconds: began.elapsed().as_secs_f64(), rows })
     }
 
-    /// Makes all trials, on all threads and in memory.
+    /// Makes the trials of the seeds that `begins` says yes to, which is asked before each; on all threads and in memory.
     ///
     /// # Errors
     /// If something cannot be measured at all.
-    pub fn findings(&self) -> Result<Findings, Error> {
-        self.findings_of(|_| true)
-    }
-
-    /// The same of the seeds that `begins` says yes to, which is asked before each trial.
-    ///
-    /// # Errors
-    /// As [`StudyRun::findings`].
-    pub fn findings_of(&self, begins: impl Fn(u64) -> bool + Sync) -> Result<Findings, Error> {
+    pub fn findings(&self, begins: impl Fn(u64) -> bool + Sync) -> Result<Findings, Error> {
         let seeds = self.asked.seeds().into_par_iter().filter(|seed| begins(*seed));
         let trials = seeds.map(|seed| self.trial(seed));
         Findings::of(self.asked.clone(), trials.collect::<Result<Vec<_>, _>>()?)

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use crate::cli::folders::{Force, free_folder};
+use crate::cli::folders::{Force, new_folder};
 use crate::cli::open::embodied;
 use crate::cli::render::model_drawing;
 use crate::cli::{Failure, Outcome, output, progress};
@@ -69,8 +69,7 @@ pub struct GalleryArguments {
 pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too large: give a smaller --seed")?;
-    let files = [PAGE_FILE, TABLE_FILE];
-    let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
+    let lock = new_folder(&args.out, args.force, "gallery", &[PAGE_FILE, TABLE_FILE])?;
     let out = lock.folder();
     let bar = progress::steps(args.models.len() as u64);
     let mut table = json!({ "seed": args.seed, "trials": args.trials });
