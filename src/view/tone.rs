@@ -14,17 +14,12 @@ pub enum Tone {
 }
 
 impl Tone {
-    /// That of what is said of a learned body.
+    /// That of what was learned.
     pub fn of(record: &LearningRecord) -> Tone {
-        Tone::new(record.converged, record.undetermined.len() + record.undetermined_limbs.len())
-    }
-
-    /// That of what was learned, or was not, but for so many joints and limbs.
-    pub fn new(converged: bool, undetermined: usize) -> Tone {
-        match (converged, undetermined) {
-            (true, 0) => Tone::Good,
-            (true, _) => Tone::Partly,
-            (false, _) => Tone::Bad,
+        match record.undetermined.is_empty() && record.undetermined_limbs.is_empty() {
+            _ if !record.converged => Tone::Bad,
+            true => Tone::Good,
+            false => Tone::Partly,
         }
     }
 

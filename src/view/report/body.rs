@@ -27,9 +27,10 @@ const WIDEST: f64 = 1.15;
 
 /// The picture; a sentence where there is nothing to draw.
 pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
-    let (agent, creature) = (input.agent, input.agent.creature());
+    let (agent, creature) = (&input.session.agent, input.session.agent.creature());
     let appearance = input.truth.map(|truth| &truth.appearance);
-    let mut scene = BodyScene::of_body(agent, input.schema, input.undetermined, appearance, "learned");
+    let undetermined = input.undetermined();
+    let mut scene = BodyScene::of_body(agent, input.schema, &undetermined, appearance, "learned");
     let account = input.record.reliable_account();
     scene.tell_of_limbs(|limb| certainty(creature, account, limb));
     let counts = counts(input);
@@ -45,7 +46,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let labels = skin.receptors.iter().zip(&counts).map(touched).collect();
     scene.only_receptors(&skin, labels, counts.iter().map(|count| shade(*count)).collect());
     scene.poses = vec![("learned", Pose::at_rest(creature, input.schema))];
-    scene.add_joints(agent, input.undetermined);
+    scene.add_joints(agent, &undetermined);
     if let Some(truth) = input.truth {
         scene.poses.push(("true", Pose::at_rest(creature, &truth.schema)));
         scene.add_truth(agent);
@@ -111,7 +112,7 @@ fn legend(most: usize, shade: &dyn Fn(usize) -> f64) -> String {
 
 /// The checkpoints that there is room for, the first and the last at any rate.
 fn steps(input: &ReportInput) -> Vec<Value> {
-    let (creature, touches) = (input.agent.creature(), input.touches.len());
+    let (creature, touches) = (input.session.agent.creature(), input.touches.len());
     let before: Vec<&Checkpoint> =
         input.record.checkpoints.iter().filter(|at| at.touches < touches).collect();
     let most = (MOST_LIMBS_OF_STEPS / creature.limbs().len().max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
@@ -136,7 +137,7 @@ fn most_touched(counts: &[usize]) -> Vec<usize> {
 
 /// How often each receptor was touched.
 fn counts(input: &ReportInput) -> Vec<usize> {
-    let mut counts = vec![0; input.agent.skin().receptors.len()];
+    let mut counts = vec![0; input.session.agent.skin().receptors.len()];
     input.touches.iter().flat_map(|touch| touch.ends).for_each(|end| counts[end.receptor] += 1);
     counts
 }

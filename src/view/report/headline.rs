@@ -6,9 +6,7 @@ use crate::view::tone::Tone;
 
 /// The verdict; how much of the body is located, and, where the truth is known, how far off that is.
 pub(super) fn of(input: &ReportInput) -> String {
-    let named = input.undetermined.len() + input.record.undetermined_limbs.len();
-    let tone = |converged: bool| format!(" {}", Tone::new(converged, named).class());
-    let tone = input.converged.map_or(String::new(), tone);
+    let tone = input.converged().map_or(String::new(), |_| format!(" {}", Tone::of(input.record).class()));
     let verdict = escape(&input.record.verdict);
     let Some(evaluation) = input.evaluation else {
         return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
@@ -23,7 +21,9 @@ pub(super) fn of(input: &ReportInput) -> String {
     if !error.is_finite() {
         return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
     }
-    let time = input.seconds.map_or(String::new(), |seconds| format!(" in {}", time(seconds)));
+    let babbling = input.session.effort.map_or(0.0, |effort| effort.babbling_s);
+    let time =
+        input.record.seconds.map_or(String::new(), |learning| format!(" in {}", time(babbling + learning)));
     format!(
         "<p class=\"verdict{tone}\">{verdict}</p>\n<p class=\"headline\">{located}<strong>{} mm</strong> after {}{time}<br/>\
          <small>mean surface error of {of} relative to one another, compared with the true model</small></p>\n",

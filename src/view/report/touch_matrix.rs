@@ -19,8 +19,8 @@ const LIGHTEST: f64 = 0.14;
 
 /// The lower half of the matrix of aura limbs × aura limbs.
 pub(super) fn figure_of(input: &ReportInput) -> String {
-    let auras = input.agent.creature().aura_limbs();
-    let counts = counts(input.agent, input.touches);
+    let auras = input.session.agent.creature().aura_limbs();
+    let counts = counts(&input.session.agent, input.touches);
     let mut of_limbs = vec![0; auras.len()];
     counts.iter().for_each(|(&[a, b], &count)| {
         of_limbs[a] += count;
