@@ -23,6 +23,7 @@ pub(super) use senses::{AURAS, MAP};
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature};
+use crate::geometry::box_about;
 use crate::learning::Account;
 use crate::named::in_words;
 use crate::schema::BodySchema;
@@ -274,17 +275,14 @@ impl BodyScene {
     pub fn room_of<'a>(
         meshes: impl IntoIterator<Item = (&'a BodyMesh, &'a Pose)>,
     ) -> Option<[Vector3<f64>; 2]> {
-        let mut room = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
-        for (mesh, pose) in meshes {
+        let places = meshes.into_iter().flat_map(|(mesh, pose)| {
             let corners = mesh.iter().flat_map(|piece| {
                 let frame = pose.frames.get(piece.limb);
                 piece.corners.iter().filter_map(move |corner| Some(frame?.point(corner)))
             });
-            let places = corners.chain(pose.begins.iter().copied());
-            for place in places.filter(|place| place.iter().all(|x| x.is_finite())) {
-                room = [room[0].inf(&place), room[1].sup(&place)];
-            }
-        }
+            corners.chain(pose.begins.iter().copied())
+        });
+        let room = box_about(places.filter(|place| place.iter().all(|x| x.is_finite())))?;
         (room[1] - room[0]).iter().any(|side| *side > 0.0).then_some(room)
     }
 
