@@ -9,10 +9,8 @@ use super::learned::read_log;
 use super::open::{MAX, ModelArguments, embodied, known_truth};
 use super::{Failure, Outcome, live};
 use crate::creature::JointSelection;
-use crate::learning::Certainty;
 use crate::session::{LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, read_schema};
 use crate::view::live::{LookedAt, LookingView};
-use crate::view::tone::Tone;
 
 /// Where sessions are, unless they are named.
 const SESSIONS: &str = "sessions";
@@ -92,10 +90,8 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
             schema: truth.schema.clone(),
             truth: None,
             appearance: Some(truth.appearance.clone()),
-            certainty: Certainty::Exact,
+            record: None,
             touches: Vec::new(),
-            verdict: "the model as it is".into(),
-            tone: None,
         });
     }
     let _reading = ReadLock::take(what)?;
@@ -104,19 +100,15 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let schema = read_schema(&what.join(SCHEMA_FILE), creature)?;
     let touches = read_log(what, &session.agent)?;
     let record = LearningRecord::read(what, creature)?;
+    let record = Some(record.unwrap_or_else(|| LearningRecord::unknown(creature)));
     let truth = known_truth(&session, args.model.as_deref())?;
-    let verdict = record.as_ref().map_or(String::new(), |record| record.verdict.clone());
-    let tone = record.as_ref().map(Tone::of);
-    let certainty = record.map_or(Certainty::Unknown, |record| record.certainty());
     Ok(LookedAt {
         name,
         schema,
         appearance: truth.as_ref().map(|truth| truth.appearance.clone()),
         truth: truth.map(|truth| truth.schema),
-        certainty,
+        record,
         touches,
-        verdict,
-        tone,
         agent: session.agent,
     })
 }

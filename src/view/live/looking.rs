@@ -1,6 +1,7 @@
 //! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how well each limb is
 //! located.
 
+use axum::http::StatusCode;
 use nalgebra::Vector3;
 use serde_json::json;
 
@@ -8,11 +9,11 @@ use super::server::{Asked, LivePage, Reception, ShowRequest};
 use super::{HEIGHT, extent, page, room};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature, Posture};
-use crate::learning::Certainty;
+use crate::learning::Account;
 use crate::named::in_words;
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
-use crate::session::same_tree;
+use crate::session::{LearningRecord, same_tree};
 use crate::view::body::{BodyScene, Pose, certainty};
 use crate::view::text::escape;
 use crate::view::tone::Tone;
@@ -34,14 +35,10 @@ pub struct LookedAt {
     pub truth: Option<BodySchema>,
     /// What it looks like, where that is known.
     pub appearance: Option<Appearance>,
-    /// How sure that is.
-    pub certainty: Certainty,
+    /// The record of learning; `None` for a model, which is shown as it is.
+    pub record: Option<LearningRecord>,
     /// Its touches.
     pub touches: Vec<RecordedTouch>,
-    /// What came of it, in a sentence.
-    pub verdict: String,
-    /// How far that can be relied on, where it is of something learned.
-    pub tone: Option<Tone>,
 }
 
 /// What is shown of some sessions and models. It keeps nothing of what a browser looks at: each has its own.
@@ -128,10 +125,9 @@ impl LookingView {
     /// What is known of a limb, in a sentence.
     fn certainty(looked: &LookedAt, limb: usize) -> String {
         let creature = looked.agent.creature();
-        match &looked.certainty {
-            Certainty::Exact => in_words(&creature.limbs()[limb]),
-            Certainty::Unknown => certainty(creature, None, limb),
-            Certainty::Estimated(account) => certainty(creature, Some(account), limb),
+        match &looked.record {
+            None => in_words(&creature.limbs()[limb]),
+            Some(record) => certainty(creature, record.reliable_account(), limb),
         }
     }
 
@@ -139,7 +135,10 @@ impl LookingView {
     fn doing(&self, state: &Looking) -> String {
         let shown = &self.all[state.shown];
         let Some(touch) = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number)) else {
-            return shown.verdict.clone();
+            return shown
+                .record
+                .as_ref()
+                .map_or("the model as it is".into(), |record| record.verdict.clone());
         };
         let limb = |end: usize| {
             let receptor = &shown.agent.skin().receptors[touch.ends[end].receptor];
@@ -214,10 +213,8 @@ impl LivePage for LookingView {
         let state = self.chosen(query)?;
         let shown = &self.all[state.shown];
         let agent = &shown.agent;
-        let open = match &shown.certainty {
-            Certainty::Estimated(account) => account.undetermined(),
-            Certainty::Exact | Certainty::Unknown => &[],
-        };
+        let account = shown.record.as_ref().and_then(LearningRecord::reliable_account);
+        let open = account.map_or(&[][..], Account::undetermined);
         let mut scene = BodyScene::of_body(agent, &shown.schema, open, shown.appearance.as_ref(), "learned");
         // Without touches the skin itself is what there is to see.
         scene.layers[1].lit_alone = !shown.touches.is_empty();
@@ -244,20 +241,20 @@ impl LivePage for LookingView {
     }
 
     fn ask(&self, asked: Asked) -> Reception {
-        let Asked::Show(asked) = asked else { return Reception::Nobody };
-        let Some(state) = self.looking(&asked) else { return Reception::Nobody };
+        let Asked::Show(asked) = asked else { return Err(StatusCode::NOT_FOUND) };
+        let state = self.looking(&asked).ok_or(StatusCode::NOT_FOUND)?;
         let shown = &self.all[state.shown];
         let touch = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number));
         let poses = self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told()));
         let told = json!({
             "doing": self.doing(&state),
-            "tone": shown.tone.filter(|_| state.touch == 0).map_or("", Tone::class),
+            "tone": shown.record.as_ref().filter(|_| state.touch == 0).map_or("", |record| Tone::of(record).class()),
             "about": state.limb.map_or(String::new(), |limb| LookingView::certainty(shown, limb)),
             "touch": state.touch,
             "posture": &state.posture[..],
             "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
             "poses": poses.collect::<serde_json::Map<_, _>>(),
         });
-        Reception::Shown(told.to_string())
+        Ok(Some(told.to_string()))
     }
 }
