@@ -13,6 +13,7 @@ use crate::babbling::BoutsDone;
 use crate::creature::Creature;
 use crate::deadline::Limit;
 use crate::error::Error;
+use crate::named::plural;
 use crate::simulation::Effort;
 use crate::skin::Skin;
 
@@ -200,8 +201,7 @@ impl Host {
 
 impl fmt::Display for Host {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plural = if self.cores == 1 { "" } else { "s" };
-        write!(f, "{} core{plural} of {}, {}", self.cores, self.cpu, self.os)
+        write!(f, "{} of {}, {}", plural(self.cores, "core"), self.cpu, self.os)
     }
 }
 

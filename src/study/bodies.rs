@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::generated::GeneratedBody;
 use super::{Row, Studied, Study, Trial, columns};
@@ -185,13 +185,10 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
 
 /// Adds what was drawn, how it went in counts, and the command of a session with these `options`.
 fn describe(row: &mut Row, way: &str, body: &GeneratedBody, options: &str) {
-    let drawn = json!(body.drawn);
-    for name in
-        ["family", "limbs", "dof", "hinges", "slides", "balls", "locked", "spins", "followers", "skew"]
-    {
-        row[name] = drawn[name].clone();
+    if let Value::Object(drawn) = json!(body.drawn) {
+        drawn.into_iter().for_each(|(name, value)| row[name] = value);
     }
-    row["limb_m"] = json!(body.drawn.length);
+    row["limb_m"] = row["length"].take();
     row["way"] = json!(way);
     let outcome = row["outcome"].as_str().unwrap_or_default();
     let counts = [

@@ -12,11 +12,12 @@ use crate::cli::{Failure, Outcome, output, progress};
 use crate::evaluation::Summary;
 use crate::learning::Input;
 use crate::mujoco::Renderer;
+use crate::named::plural;
 use crate::session::ModelSource;
 use crate::study::by_default;
 use crate::view::picture::png;
 use crate::view::table::{NONE, Table};
-use crate::view::text::{error_number, plural};
+use crate::view::text::error_number;
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";

@@ -16,11 +16,11 @@ use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::error::Error;
+use crate::named::plural;
 use crate::session::{FolderLock, STUDY_FILE, ShareRecord};
 use crate::share::Share;
 use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare};
 use crate::view::table::Table;
-use crate::view::text::plural;
 
 /// The measurements, in the study's folder.
 const TABLE_FILE: &str = "study.csv";

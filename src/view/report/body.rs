@@ -5,10 +5,10 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use super::ReportInput;
+use crate::named::plural;
 use crate::session::Checkpoint;
 use crate::skin::{Receptor, Skin};
 use crate::view::body::{AURAS, BodyScene, MAP, Pose, certainty, step};
-use crate::view::text::plural;
 
 /// Most steps of the slider, …
 const MOST_STEPS: usize = 80;

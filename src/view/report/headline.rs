@@ -1,7 +1,8 @@
 //! What a report says first: the verdict in its colour, and the one number.
 
 use super::ReportInput;
-use crate::view::text::{error_number, escape, touches};
+use crate::named::plural;
+use crate::view::text::{error_number, escape};
 use crate::view::tone::Tone;
 
 /// The verdict; how much of the body is located, and, where the truth is known, how far off that is.
@@ -28,7 +29,7 @@ pub(super) fn of(input: &ReportInput) -> String {
         "<p class=\"verdict{tone}\">{verdict}</p>\n<p class=\"headline\">{located}<strong>{} mm</strong> after {}{time}<br/>\
          <small>mean surface error of {of} relative to one another, compared with the true model</small></p>\n",
         escape(&error_number(error)),
-        touches(input.touches.len()),
+        plural(input.touches.len(), "touch"),
     )
 }
 

@@ -4,9 +4,10 @@ use super::ReportInput;
 use crate::creature::{Creature, DofKind};
 use crate::evaluation::{CramerRaoBound, Evaluation, Summary, axis_errors, touch_misses, touches_across};
 use crate::learning::{Account, LimbLine};
+use crate::named::plural;
 use crate::senses::limb_pairs;
 use crate::view::table::Table;
-use crate::view::text::{error_number, escape, plural, shell_words};
+use crate::view::text::{error_number, escape, shell_words};
 
 /// The commands of the session, its numbers, and how it came about and was learned from.
 pub(super) fn facts(input: &ReportInput) -> String {

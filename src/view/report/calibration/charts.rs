@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::calibration::{Calibration, Seen};
+use crate::named::plural;
 use crate::session::name_of;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
-use crate::view::text::{short_number as number, touches as count_of};
+use crate::view::text::short_number as number;
 
 /// Rows at the most.
 const MOST_ROWS: usize = 30;
@@ -31,7 +32,7 @@ pub(super) fn by_pair(found: &Calibration) -> String {
     pairs.truncate(MOST_ROWS);
     let (mut boxes, mut crosses, mut names) = (Vec::new(), Vec::new(), Vec::new());
     for (k, ([a, b], [honest, wrong])) in pairs.iter().enumerate() {
-        let about = format!("{a}, {b}, {}", count_of(honest.len()));
+        let about = format!("{a}, {b}, {}", plural(honest.len(), "touch"));
         let values = quartiles(honest.iter().map(|touch| millimetres(touch)));
         boxes.extend(values.into_iter().flat_map(|values| box_marks(k, &about, values)));
         crosses.extend(wrong.iter().map(|touch| {
