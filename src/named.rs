@@ -46,9 +46,16 @@ pub(crate) fn plural(count: usize, noun: &str) -> String {
     format!("{count} {head}{}{rest}", if hisses { "es" } else { "s" })
 }
 
-/// Gives the values of an enum their names: how they are printed and read.
+/// Defines an enum whose values have names, by which they are printed and read. `what` they are is named in errors.
 macro_rules! named {
-    ($type:ident, $what:literal, { $($variant:ident => $name:literal),+ $(,)? }) => {
+    ($what:literal, $(#[$about:meta])* $visibility:vis enum $type:ident {
+        $($(#[$about_variant:meta])* $variant:ident = $name:literal),+ $(,)?
+    }) => {
+        $(#[$about])*
+        $visibility enum $type {
+            $($(#[$about_variant])* $variant),+
+        }
+
         impl $type {
             /// All values, in the order in which they are named to the user.
             pub const ALL: [$type; [$($name),+].len()] = [$($type::$variant),+];

@@ -53,25 +53,21 @@ const LEVELS_MM: [f64; 2] = [20.0, 50.0];
 /// The seed's stream for what is seen; initial guesses are drawn from stream 0, as the learner `hersch` draws its own.
 const VISION_STREAM: u64 = 2;
 
-/// What the rule is given of a posture.
-#[derive(Clone, Copy, PartialEq)]
-enum Given {
-    /// The centres of the two receptors that touch.
-    Centres,
-    /// The point of contact in the frames of both limbs.
-    Contacts,
-    /// A point of one of the limbs that touch in its own frame and in that of the other.
-    VisionOfTouching,
-    /// The same of any two limbs.
-    VisionOfAny,
+named! {
+    "input",
+    /// What the rule is given of a posture.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Given {
+        /// The centres of the two receptors that touch.
+        Centres = "touch, receptor centres",
+        /// The point of contact in the frames of both limbs.
+        Contacts = "touch, exact points",
+        /// A point of one of the limbs that touch in its own frame and in that of the other.
+        VisionOfTouching = "vision, limbs that touch",
+        /// The same of any two limbs.
+        VisionOfAny = "vision, any limbs",
+    }
 }
-
-named!(Given, "input", {
-    Centres => "touch, receptor centres",
-    Contacts => "touch, exact points",
-    VisionOfTouching => "vision, limbs that touch",
-    VisionOfAny => "vision, any limbs",
-});
 
 /// How the rule is applied.
 #[derive(Clone, Copy, PartialEq)]

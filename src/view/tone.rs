@@ -1,16 +1,20 @@
 //! The colour of a verdict by its reliability, on pages and terminals.
 
+use crate::named::named;
 use crate::session::LearningRecord;
 
-/// What of a body a verdict stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tone {
-    /// All of it.
-    Good,
-    /// All but for what is named.
-    Partly,
-    /// Nothing.
-    Bad,
+named! {
+    "tone",
+    /// What of a body a verdict stands for.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Tone {
+        /// All of it.
+        Good = "good",
+        /// All but for what is named.
+        Partly = "partly",
+        /// Nothing.
+        Bad = "bad",
+    }
 }
 
 impl Tone {
@@ -20,15 +24,6 @@ impl Tone {
             _ if !record.converged => Tone::Bad,
             true => Tone::Good,
             false => Tone::Partly,
-        }
-    }
-
-    /// Its class on pages.
-    pub(super) fn class(self) -> &'static str {
-        match self {
-            Tone::Good => "good",
-            Tone::Partly => "partly",
-            Tone::Bad => "bad",
         }
     }
 }

@@ -8,37 +8,29 @@ use super::joints::Joining;
 use super::tree::{Mount, Tree};
 use crate::named::named;
 
-/// A family of bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Family {
-    /// Limbs one after the other.
-    Chain,
-    /// Many short limbs one after the other, each bending in another plane.
-    Snake,
-    /// Arms all alike about a ball.
-    Star,
-    /// A trunk with a chest, a head, two arms and two legs.
-    Humanoid,
-    /// A trunk on four, six or eight legs.
-    Walker,
-    /// Robot arms on a base, with hands.
-    Arms,
-    /// One hand.
-    Hand,
-    /// Limbs anywhere on limbs that are there.
-    Tree,
+named! {
+    "family",
+    /// A family of bodies.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Family {
+        /// Limbs one after the other.
+        Chain = "chain",
+        /// Many short limbs one after the other, each bending in another plane.
+        Snake = "snake",
+        /// Arms all alike about a ball.
+        Star = "star",
+        /// A trunk with a chest, a head, two arms and two legs.
+        Humanoid = "humanoid",
+        /// A trunk on four, six or eight legs.
+        Walker = "walker",
+        /// Robot arms on a base, with hands.
+        Arms = "arms",
+        /// One hand.
+        Hand = "hand",
+        /// Limbs anywhere on limbs that are there.
+        Tree = "tree",
+    }
 }
-
-named!(Family, "family", {
-    Chain => "chain",
-    Snake => "snake",
-    Star => "star",
-    Humanoid => "humanoid",
-    Walker => "walker",
-    Arms => "arms",
-    Hand => "hand",
-    Tree => "tree",
-});
 
 impl Family {
     /// Draws a body of it, of limbs about so long, metres.

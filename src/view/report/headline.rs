@@ -7,7 +7,7 @@ use crate::view::tone::Tone;
 
 /// The verdict; how much of the body is located, and, where the truth is known, how far off that is.
 pub(super) fn of(input: &ReportInput) -> String {
-    let tone = input.converged().map_or(String::new(), |_| format!(" {}", Tone::of(input.record).class()));
+    let tone = input.converged().map_or(String::new(), |_| format!(" {}", Tone::of(input.record).name()));
     let verdict = escape(&input.record.verdict);
     let Some(evaluation) = input.evaluation else {
         return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
