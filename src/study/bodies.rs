@@ -16,7 +16,7 @@ use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::deadline::{Deadline, Tally, apart, count};
 use crate::error::Error;
-use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
+use crate::evaluation::{HeldOutPoint, held_out, held_out_points};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
 use crate::learning::{Input, Learned, Learner, LengthUnit, SecondOrder, Verdict, Z95};
@@ -305,10 +305,9 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
     let (agent, creature) = (embodied.agent(), embodied.creature());
     let points = held_out_points(agent);
     let errors = held_out(creature, embodied.truth(), &learned.schema, &points);
-    let millimetres = || errors.iter().map(|error| error.millimetres);
     let (count, limit) = (errors.len() as f64, 1e3 * RIGHT * length);
-    let mean = millimetres().sum::<f64>() / count;
-    let right = millimetres().filter(|&error| error <= limit).count() as f64 / count.max(1.0);
+    let mean = errors.iter().sum::<f64>() / count;
+    let right = errors.iter().filter(|&&error| error <= limit).count() as f64 / count.max(1.0);
     let [joints_named, limbs_named] = [learned.undetermined().len(), learned.undetermined_limbs().len()];
     let (outcome, reason) = match learned.verdict.clone() {
         Verdict::Converged if joints_named + limbs_named == 0 => ("learned", String::new()),
@@ -324,7 +323,7 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
         "joints_named": joints_named,
         "limbs_named": limbs_named,
         "heldout_mm": mean,
-        "worst_heldout_mm": millimetres().fold(f64::NAN, f64::max),
+        "worst_heldout_mm": errors.iter().copied().fold(f64::NAN, f64::max),
         "heldout_percent": 0.1 * mean / length,
         "right": right,
         "whole": right >= WHOLE,
@@ -337,15 +336,9 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
 /// Compares the claims of a learner with the truth: that skin of two limbs of one class of its account is located in each other's
 /// frames. Adds how many pairs of limbs are claimed, how many of these wrongly, the greatest error of a claim, and the most of its
 /// own deviations that an error is that matters.
-fn judge(
-    row: &mut Row,
-    embodied: &Embodied,
-    learned: &Learned,
-    (points, errors): (&[HeldOutPoint], &[HeldOutError]),
-) {
+fn judge(row: &mut Row, embodied: &Embodied, learned: &Learned, (points, errors): (&[HeldOutPoint], &[f64])) {
     (row["claims"], row["wrong"]) = (json!(0), json!(0));
-    let account = learned.account.as_ref().filter(|_| learned.verdict.converged());
-    let Some(account) = account else { return };
+    let Some(account) = learned.reliable_account() else { return };
     // What is off by little of a person is off by much of a hand.
     let negligible = LengthUnit::of(embodied.agent()).metres() * NEGLIGIBLE_MM;
     // Metres; of a point that has none, the deviation that would just be claimed.
@@ -357,7 +350,7 @@ fn judge(
     let (mut worst_mm, mut worst_deviations) = (f64::NAN, f64::NAN);
     // Per pair of limbs that is claimed, whether that is wrong.
     let mut claims: BTreeMap<[usize; 2], bool> = BTreeMap::new();
-    for (point, HeldOutError { millimetres, .. }) in points.iter().zip(errors) {
+    for (point, millimetres) in points.iter().zip(errors) {
         let [a, b] = point.limbs;
         if !account.claims(a, b) {
             continue;
