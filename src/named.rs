@@ -36,9 +36,26 @@ pub(crate) fn in_words(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// Gives the values of an enum their names: how they are printed and read.
+/// `1 joint`, `2 joints`, `3 pairs of limbs`.
+pub(crate) fn plural(count: usize, noun: &str) -> String {
+    if count == 1 {
+        return format!("1 {noun}");
+    }
+    let (head, rest) = noun.split_at(noun.find(" of ").unwrap_or(noun.len()));
+    let hisses = head.ends_with("ch") || head.ends_with("ss");
+    format!("{count} {head}{}{rest}", if hisses { "es" } else { "s" })
+}
+
+/// Defines an enum whose values have names, by which they are printed and read. `what` they are is named in errors.
 macro_rules! named {
-    ($type:ident, $what:literal, { $($variant:ident => $name:literal),+ $(,)? }) => {
+    ($what:literal, $(#[$about:meta])* $visibility:vis enum $type:ident {
+        $($(#[$about_variant:meta])* $variant:ident = $name:literal),+ $(,)?
+    }) => {
+        $(#[$about])*
+        $visibility enum $type {
+            $($(#[$about_variant])* $variant),+
+        }
+
         impl $type {
             /// All values, in the order in which they are named to the user.
             pub const ALL: [$type; [$($name),+].len()] = [$($type::$variant),+];
@@ -73,6 +90,13 @@ pub(crate) use named;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn counts_agree_with_their_nouns() {
+        assert_eq!(plural(1, "joint"), "1 joint");
+        assert_eq!(plural(3, "pair of limbs"), "3 pairs of limbs");
+        assert_eq!([1, 2].map(|count| plural(count, "touch")), ["1 touch", "2 touches"]);
+    }
 
     #[test]
     fn slips_of_the_pen_are_names_that_are_meant() {

@@ -66,7 +66,7 @@ pub fn study<'py>(
         let creature = source.map(|source| bodyschema::Embodied::open(source, &())).transpose()?;
         let run = StudyRun::new(study, options, creature)?;
         watcher.begin("trials", trials as usize, 0);
-        Ok(run.findings_of(|_| watcher.step())?.table().to_json().to_string())
+        Ok(run.findings(|_| watcher.step())?.table().to_json().to_string())
     })?;
     let rows = computed.kept(py, "the trials that were finished are kept")?;
     py.import("bodyschema._tables")?.call_method1("columns", (rows,))

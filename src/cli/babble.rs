@@ -14,9 +14,8 @@ use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::creature::JointSelection;
-use crate::error::Error;
 use crate::session::{
-    BabbledSession, BabblingSession, Embodied, FolderLock, Observer, Provenance, SESSION_FILE, Session,
+    BabblingSession, Embodied, FolderLock, MadeShares, Observer, Provenance, SESSION_FILE, Session,
     SessionRequest, SessionSetup,
 };
 use crate::share::Share;
@@ -109,18 +108,17 @@ impl SessionArguments {
 pub fn run(args: &BabbleArguments) -> Outcome {
     let job =
         |asked: SessionArguments| Job::new(asked, args.asked.request.jobs, args.shard, args.json, &args.live);
-    let babble = |session: BabblingSession, observers: &dyn Observer| session.babble(observers);
     match (&args.resume, args.shard, &args.out) {
         (Some(folder), ..) => {
             let lock = written_session(folder)?;
             let asked = SessionArguments::of_session(&Session::read(folder)?, folder)?;
-            job(asked)?.go_on(lock, babble)
+            job(asked)?.go_on(lock, None)
         }
         (None, Some(share), Some(folder)) => make_share(&job(args.asked.clone())?, share, folder),
         _ => {
             let job = job(args.asked.clone())?;
             let lock = session_folder(args.out.as_deref(), job.embodied.creature().name(), args.force)?;
-            job.begin(lock, babble)
+            job.begin(lock, None)
         }
     }
 }
@@ -160,23 +158,15 @@ impl Job {
         Provenance { command: output::command_line(), asked: asked.unwrap_or_default() }
     }
 
-    /// Begins a session whose touches are made by `make`, and learns from them.
-    pub fn begin(
-        mut self,
-        lock: FolderLock,
-        make: impl FnOnce(BabblingSession, &dyn Observer) -> Result<BabbledSession, Error>,
-    ) -> Outcome {
+    /// Begins a session, whose touches are those of `shares` if there are any, and learns from them.
+    pub fn begin(mut self, lock: FolderLock, shares: Option<&MadeShares<Session>>) -> Outcome {
         let place = self.place.take();
         let session = BabblingSession::begin(&self.embodied, &self.setup, &lock, self.provenance())?;
-        self.complete(lock, place, session.made(), |observers| make(session, observers))
+        self.complete(session, lock, place, shares)
     }
 
-    /// Does what is missing in a session's folder: touches, made by `make`, learning, the report.
-    pub fn go_on(
-        mut self,
-        lock: FolderLock,
-        make: impl FnOnce(BabblingSession, &dyn Observer) -> Result<BabbledSession, Error>,
-    ) -> Outcome {
+    /// Does what is missing in a session's folder: touches, of `shares` if there are any, learning, the report.
+    pub fn go_on(mut self, lock: FolderLock, shares: Option<&MadeShares<Session>>) -> Outcome {
         let (folder, page) = (lock.folder().to_path_buf(), self.place.take());
         let place = folder.display();
         let session = Session::read(&folder)?;
@@ -199,39 +189,41 @@ impl Job {
             true => tell!("{place}: all {made} touches are present; learning from them"),
             false => tell!("{place}: resuming after touch {made} of {all}"),
         }
-        self.complete(lock, page, made, |observers| make(session, observers))
+        self.complete(session, lock, page, shares)
     }
 
     /// Makes touches while somebody may look on, learns from all of them, and prints the result.
     fn complete(
         &self,
+        session: BabblingSession,
         lock: FolderLock,
         page: Option<Place>,
-        made: usize,
-        make: impl FnOnce(&dyn Observer) -> Result<BabbledSession, Error>,
+        shares: Option<&MadeShares<Session>>,
     ) -> Outcome {
-        let touches = self.setup.babbling.touches;
-        let view = || BabblingView::new(self.embodied.agent(), self.embodied.truth(), touches, made);
-        let view = page.is_some().then(|| Arc::new(view()));
-        let server = match (page, &view) {
-            (Some(page), Some(view)) => Some(serve(page, view.clone())?),
-            _ => None,
-        };
+        let (touches, made) = (self.setup.babbling.touches, session.made());
+        let page = page.map(|place| {
+            let view = BabblingView::new(self.embodied.agent(), self.embodied.truth(), touches, made);
+            let view = Arc::new(view);
+            Ok::<_, Failure>((serve(place, view.clone())?, view))
+        });
+        let page = page.transpose()?;
         let bars = Bars::default();
-        let pages = view.iter().map(|view| &**view as &dyn Observer);
+        let pages = page.iter().map(|(_, view)| &**view as &dyn Observer);
         let observers: Vec<&dyn Observer> = std::iter::once(&bars as &dyn Observer).chain(pages).collect();
-        let babbled = make(&observers)?;
+        let babbled = match shares {
+            Some(shares) => session.put_together(shares, &observers)?,
+            None => session.babble(&observers)?,
+        };
         let truth = Some(self.embodied.truth());
         if let Some(limit) = babbled.session.effort.and_then(|effort| effort.ended_by) {
             tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
         }
         let result = learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.json)?;
-        if let Some(view) = view {
-            view.done(&result.record.verdict, &result.learned.schema, lock.place().join(REPORT_FILE));
-        }
         // Who goes on looking keeps nobody from the folder.
+        let report = lock.place().join(REPORT_FILE);
         drop(lock);
-        if let Some(server) = server {
+        if let Some((server, view)) = page {
+            view.done(&result.record.verdict, &result.learned.schema, report);
             rest(&server);
         }
         Ok(())

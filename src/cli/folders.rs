@@ -44,7 +44,11 @@ impl Force {
 /// The folder of a new session: the one named, else the first free of sessions/CREATURE-1, -2, ….
 pub fn session_folder(out: Option<&Path>, creature: &str, force: Force) -> Result<FolderLock, Failure> {
     let name: String = creature.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).take(40).collect();
-    free_folder(out, force, "session", &OF_SESSIONS, |k| Path::new("sessions").join(format!("{name}-{k}")))
+    let numbered = |k| Path::new("sessions").join(format!("{name}-{k}"));
+    out.map_or_else(
+        || first_free(numbered, &OF_SESSIONS),
+        |out| new_folder(out, force, "session", &OF_SESSIONS),
+    )
 }
 
 /// The folder of a session that is there and that a command writes into.
@@ -68,39 +72,28 @@ pub fn take_share(folder: &Path, share: Share, whole: &str) -> Result<FolderLock
     Ok(FolderLock::make(&Shares::folder(folder, share))?)
 }
 
-/// The folder named, unless one of some files is in it already and may not be replaced, else the first that is free of
-/// numbered ones. It is the caller's alone, who writes into [`FolderLock::folder`] and calls [`FolderLock::commit`] in the end.
-pub fn free_folder(
-    out: Option<&Path>,
-    force: Force,
-    what: &str,
-    files: &[&str],
-    numbered: impl Fn(u32) -> PathBuf,
-) -> Result<FolderLock, Failure> {
-    if let Some(folder) = out {
-        let mut lock = FolderLock::make(folder)?;
-        match held(folder, files) {
-            Some(_) if force.force => {
-                // What is no file could not be replaced all at once.
-                let no_file = |name: &&&str| {
-                    fs::symlink_metadata(folder.join(name)).is_ok_and(|about| !about.is_file())
-                };
-                if let Some(name) = files.iter().find(no_file) {
-                    let path = folder.join(name);
-                    return Err(Failure(format!("{}: not a file; move it away first", path.display())));
-                }
-                lock.replace(files)?;
-            }
-            Some(file) => {
-                return Err(Failure(format!(
-                    "{} already contains a {what} ({file}): give another folder with --out, or replace it with --force",
-                    folder.display()
-                )));
-            }
-            None => {}
-        }
-        return Ok(lock);
+/// A folder for new results, unless it holds one of their files that may not be replaced. It is the caller's alone, who writes into
+/// [`FolderLock::folder`] and calls [`FolderLock::commit`] in the end.
+pub fn new_folder(folder: &Path, force: Force, what: &str, files: &[&str]) -> Result<FolderLock, Failure> {
+    let mut lock = FolderLock::make(folder)?;
+    let Some(file) = held(folder, files) else { return Ok(lock) };
+    if !force.force {
+        return Err(Failure(format!(
+            "{} already contains a {what} ({file}): give another folder with --out, or replace it with --force",
+            folder.display()
+        )));
     }
+    // Only files can be replaced all at once.
+    let is_other = |name: &&&str| fs::symlink_metadata(folder.join(name)).is_ok_and(|about| !about.is_file());
+    if let Some(name) = files.iter().find(is_other) {
+        return Err(Failure::at(&folder.join(name), "not a file; move it away first"));
+    }
+    lock.replace(files)?;
+    Ok(lock)
+}
+
+/// The first of numbered folders that holds none of some files; otherwise as [`new_folder`].
+pub fn first_free(numbered: impl Fn(u32) -> PathBuf, files: &[&str]) -> Result<FolderLock, Failure> {
     for folder in (1..).map(numbered) {
         // Of several processes one makes it, and that one has it, unless another was told to write just there.
         match FolderLock::make_new(&folder) {

@@ -139,8 +139,8 @@ impl LearnArguments {
         let session = Session::read(folder)?;
         let touches = read_log(folder, &session.agent)?;
         drop(reading);
+        let learning = self.learning.for_session(&session)?;
         let mut babbled = BabbledSession { session, touches, grown: None };
-        let learning = self.learning.for_session(&babbled.session)?;
         let made = own.is_none().then(|| babbled.clone());
         let lock = own.map_or_else(|| self.new_folder(&babbled.session), Ok)?;
         babbled.touches.truncate(self.touches.unwrap_or(usize::MAX));

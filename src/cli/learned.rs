@@ -9,7 +9,7 @@ use crate::agent::Agent;
 use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
-use crate::named::listed;
+use crate::named::{listed, plural};
 use crate::senses::{RecordedTouch, limb_pairs};
 use crate::session::{
     BabbledSession, FolderLock, LearnedSession, LearningOptions, LearningRecord, Observer, TOUCHES_FILE,
@@ -17,7 +17,7 @@ use crate::session::{
 };
 use crate::simulation::MotionName;
 use crate::view::report::{REPORT_FILE, bound_in_words, error_rows, summaries, write_report};
-use crate::view::text::{self, plural, shell_words};
+use crate::view::text::shell_words;
 use crate::view::tone::Tone;
 
 /// Why nothing is known of a body: learning failed, or its learner makes no judgement.
@@ -112,7 +112,7 @@ impl Printed<'_> {
             creature.name(),
             plural(creature.joints().len(), "joint"),
             creature.dof(),
-            text::touches(touches.len()),
+            plural(touches.len(), "touch"),
             plural(limb_pairs(session.agent.skin(), touches).len(), "pair of limbs")
         );
         if let Some(depth) = self.depth_mm() {

@@ -20,6 +20,23 @@ pub struct Place {
     open: bool,
 }
 
+impl Place {
+    /// Takes an address, or the default one.
+    pub fn new(address: Option<SocketAddr>, open: bool) -> Result<Place, Failure> {
+        let address = address.unwrap_or(HERE);
+        let listener = match TcpListener::bind(address) {
+            Err(error) if error.kind() == ErrorKind::AddrInUse && address == HERE => {
+                TcpListener::bind(SocketAddr::new(HERE.ip(), 0))
+            }
+            bound => bound,
+        };
+        let listener = listener.map_err(|error| {
+            Failure(format!("cannot serve a page at {address} ({error}): give another address with --live"))
+        })?;
+        Ok(Place { listener, open })
+    }
+}
+
 /// Whether there is a page, and where.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct LiveOptions {
@@ -35,8 +52,7 @@ impl LiveOptions {
     /// Where a page is to be served, where one is: taken at once, so that an address which cannot be had is told of
     /// before anything else is done.
     pub fn place(&self) -> Result<Option<Place>, Failure> {
-        let place = self.live.map(listen).transpose()?;
-        Ok(place.map(|listener| Place { listener, open: self.open }))
+        self.live.map(|address| Place::new(Some(address), self.open)).transpose()
     }
 }
 
@@ -58,11 +74,6 @@ pub fn rest(server: &Server) -> bool {
     attended
 }
 
-/// Where a page is to be served that is all there is to a command.
-pub fn place_at(address: Option<SocketAddr>, open: bool) -> Result<Place, Failure> {
-    Ok(Place { listener: listen(address.unwrap_or(HERE))?, open })
-}
-
 /// A page to look at, until nobody wants it any more.
 pub fn look(view: LookingView, place: Place) -> Outcome {
     let server = serve(place, Arc::new(view))?;
@@ -76,18 +87,7 @@ pub fn look(view: LookingView, place: Place) -> Outcome {
     }
 }
 
-fn listen(address: SocketAddr) -> Result<TcpListener, Failure> {
-    let listener = match TcpListener::bind(address) {
-        Err(error) if error.kind() == ErrorKind::AddrInUse && address == HERE => {
-            TcpListener::bind(SocketAddr::new(HERE.ip(), 0))
-        }
-        bound => bound,
-    };
-    listener.map_err(|error| {
-        Failure(format!("cannot serve a page at {address} ({error}): give another address with --live"))
-    })
-}
-
+/// Serves a page, and opens it in a browser where that is asked for.
 pub fn serve(place: Place, view: Arc<dyn LivePage>) -> Result<Server, Failure> {
     let server = Server::new(place.listener, view)
         .map_err(|error| Failure(format!("cannot serve a page ({error}): run without --live")))?;

@@ -37,6 +37,7 @@ mod typed;
 mod view;
 
 use std::fmt::Display;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ErrorKind};
@@ -47,6 +48,13 @@ use crate::session::is_model;
 /// The error of a command: one sentence with the file, the position and the fix.
 #[derive(Debug)]
 pub struct Failure(String);
+
+impl Failure {
+    /// An error about a file or folder.
+    fn at(path: &Path, sentence: impl Display) -> Failure {
+        Failure(format!("{}: {sentence}", path.display()))
+    }
+}
 
 impl<E: Display> From<E> for Failure {
     fn from(error: E) -> Failure {
@@ -170,7 +178,7 @@ pub fn run() -> ExitCode {
 /// The command line. `learn MODEL` is `babble MODEL`: a model has no touches yet.
 fn words() -> Vec<std::ffi::OsString> {
     let mut words: Vec<_> = std::env::args_os().collect();
-    let is_model = |word: &std::ffi::OsString| is_model(std::path::Path::new(word));
+    let is_model = |word: &std::ffi::OsString| is_model(Path::new(word));
     if words.get(1).is_some_and(|command| command == "learn") && words.get(2).is_some_and(is_model) {
         words[1] = "babble".into();
     }

@@ -99,10 +99,8 @@ pub fn rehearse(path: &Path) -> Outcome {
         if let Some(refused) = unreadable_mesh(path) {
             return Err(Failure(refused.to_string()));
         }
-        return Err(Failure(format!(
-            "{}: {reason}; look for huge numbers, sizes and meshes in it, or remove parts",
-            path.display()
-        )));
+        let fix = "look for huge numbers, sizes and meshes in it, or remove parts";
+        return Err(Failure::at(path, format_args!("{reason}; {fix}")));
     }
     let said = String::from_utf8_lossy(&output.stderr);
     let sentence = said.trim().strip_prefix("bodyschema: ").unwrap_or(said.trim());

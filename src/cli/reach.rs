@@ -12,7 +12,6 @@ use crate::export::reachable_vtk;
 use crate::named::in_words;
 use crate::peripersonal::{COARSE, FINE, Level, OwnBody, ReachableMap, voxel_side};
 use crate::session::{SpaceRecord, hands, learned_body, write_whole};
-use crate::view::space;
 use crate::view::table::Table;
 
 /// Compute the reachable workspace of each hand from a session's schema.
@@ -24,7 +23,7 @@ use crate::view::table::Table;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   bodyschema reach sessions/max-1
-  bodyschema reach sessions/max-1 --voxel 0.04 --picture reach.svg --vtk reach.vtk
+  bodyschema reach sessions/max-1 --voxel 0.04 --vtk reach.vtk
   bodyschema reach sessions/max-1 --at 0.3,0.2,0.1
   bodyschema reach sessions/max-1 --hand left_hand --at 0.3,0.2,0.1 --json")]
 pub struct ReachArguments {
@@ -39,11 +38,8 @@ pub struct ReachArguments {
     /// Write the maps to a VTK file, for ParaView
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     vtk: Option<PathBuf>,
-    /// Write a picture of three slices
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
-    picture: Option<PathBuf>,
-    /// A point in the chest's frame, metres: print its distance and a posture that reaches for it. Without --voxel,
-    /// --vtk and --picture no map is stored
+    /// A point in the chest's frame, metres: print its distance and a posture that reaches for it. Without --voxel and
+    /// --vtk no map is stored
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     at: Option<Vector3<f64>>,
     /// Print one JSON object
@@ -69,7 +65,7 @@ pub fn run(args: &ReachArguments) -> Outcome {
     let hands = hands(&own, &args.hand)?;
     let chest = own.carrier_of(&hands);
     let tips: Vec<_> = hands.iter().filter_map(|&hand| own.tip_of(hand)).collect();
-    let at_alone = args.at.is_some() && args.voxel.is_none() && args.vtk.is_none() && args.picture.is_none();
+    let at_alone = args.at.is_some() && args.voxel.is_none() && args.vtk.is_none();
     let longest = tips.iter().map(|tip| own.length_of(tip)).fold(0.0, f64::max);
     let voxel = args.voxel.unwrap_or_else(|| voxel_side(longest, if at_alone { COARSE } else { FINE }));
     let began = Instant::now();
@@ -78,7 +74,7 @@ pub fn run(args: &ReachArguments) -> Outcome {
     for tip in tips {
         bar.set_message(format!("workspace of the {}", in_words(&limbs[tip.limb])));
         let map = ReachableMap::of_place(&own, tip.limb, tip, chest, voxel);
-        maps.push(map.map_err(|error| Failure(format!("{}: {error}", args.session.display())))?);
+        maps.push(map.map_err(|error| Failure::at(&args.session, error))?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -128,21 +124,13 @@ pub fn run(args: &ReachArguments) -> Outcome {
     Ok(())
 }
 
-/// Keeps the slices in the session, and writes the files that are asked for.
+/// Stores the slices in the session, and writes the file that is asked for.
 fn write(args: &ReachArguments, own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> Outcome {
-    let record = SpaceRecord::of(own, maps, doubts);
-    record.write(&args.session)?;
-    if let Some(path) = &args.vtk {
-        write_whole(path, &reachable_vtk(own, maps)).map_err(|error| {
-            Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display()))
-        })?;
-    }
-    if let Some(path) = &args.picture {
-        let (name, hands) = (own.creature().name(), record.hands.join(" and "));
-        let says = format!("{name}: workspace of {hands}, in the frame of {}", record.chest);
-        output::file(path, space::chart(&record, &says).alone())?;
-    }
-    Ok(())
+    SpaceRecord::of(own, maps, doubts).write(&args.session)?;
+    let Some(path) = &args.vtk else { return Ok(()) };
+    write_whole(path, &reachable_vtk(own, maps)).map_err(|error| {
+        Failure(format!("cannot write {}: {error}: give another file with --vtk", path.display()))
+    })
 }
 
 /// How much a hand reaches, litres.

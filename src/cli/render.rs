@@ -98,9 +98,10 @@ pub fn run(args: &RenderArguments) -> Outcome {
     let film = is_film(&args.out);
     let out = args.out.display();
     if !film && !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
-        return Err(Failure(format!(
-            "{out}: unsupported format; use .png for a picture, .mp4, .webm, .mov, .mkv or .gif for a film"
-        )));
+        return Err(Failure::at(
+            &args.out,
+            "unsupported format; use .png for a picture, .mp4, .webm, .mov, .mkv or .gif for a film",
+        ));
     }
     let pictures = [("--touch", args.touch.is_some()), ("--posture", args.posture.is_some())];
     let films = [("--touches", args.touches.is_some()), ("--learning", args.learning)];
@@ -110,7 +111,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
         (films, "film", "use a name that ends in .mp4, or one such as frame-%04d.png")
     };
     if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
-        return Err(Failure(format!("{out}: {option} makes a {what}: {fix}")));
+        return Err(Failure::at(&args.out, format_args!("{option} makes a {what}: {fix}")));
     }
     let spinner = progress::spinner("getting ready");
     let drawing = if args.what.join(SESSION_FILE).exists() {
@@ -121,7 +122,7 @@ pub fn run(args: &RenderArguments) -> Outcome {
     let [width, height] = args.size;
     let renderer = |smooth| {
         let made = Renderer::new(&drawing.model, width, height, smooth);
-        made.map_err(|error| Failure(format!("{out}: {error}")))
+        made.map_err(|error| Failure::at(&args.out, error))
     };
     let mut sharp = renderer(true)?;
     let camera = camera(args, &drawing, &sharp)?;
@@ -170,9 +171,8 @@ fn model(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
         )));
     }
     if args.what.is_dir() {
-        return Err(Failure(format!(
-            "{place}: it contains no {SESSION_FILE}: give an MJCF file or a session folder"
-        )));
+        let what = format!("it contains no {SESSION_FILE}: give an MJCF file or a session folder");
+        return Err(Failure::at(&args.what, what));
     }
     model_drawing(&args.options.source(&args.what, JointSelection::All), args.posture.as_deref())
 }
@@ -220,11 +220,8 @@ fn camera(args: &RenderArguments, drawing: &Drawing, renderer: &Renderer) -> Res
             number.map(Camera::Fixed).ok_or_else(|| {
                 let named: Vec<&str> = cameras.into_iter().filter(|camera| !camera.is_empty()).collect();
                 let there = if named.is_empty() { "none with a name".into() } else { named.join(", ") };
-                Failure(format!(
-                    "{}: it has no camera named {text}; it has {there}: give one of these, or azimuth and \
-                     elevation, such as 205,-12",
-                    args.what.display()
-                ))
+                let fix = "give one of these, or azimuth and elevation, such as 205,-12";
+                Failure::at(&args.what, format_args!("it has no camera named {text}; it has {there}: {fix}"))
             })
         }
     }

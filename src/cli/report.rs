@@ -11,10 +11,10 @@ use super::{Outcome, output, progress};
 use crate::creature::Joint;
 use crate::evaluation::{Evaluation, Summary, touch_misses, touches_across};
 use crate::learning::LimbLine;
+use crate::named::plural;
 use crate::senses::RecordedTouch;
 use crate::session::{LearningRecord, SCHEMA_FILE, Session, read_schema};
 use crate::view::report::{REPORT_FILE, error_rows, limb_table, summaries, write_report};
-use crate::view::text;
 
 /// Report what a session learned, how accurate it is, and what stays unobservable; rewrite its page.
 ///
@@ -133,7 +133,7 @@ impl Found<'_> {
 
     fn print(&self, args: &ReportArguments) {
         let creature = self.session.agent.creature();
-        say!("{}: {} of {}", args.session.display(), text::touches(self.touches.len()), creature.name());
+        say!("{}: {} of {}", args.session.display(), plural(self.touches.len(), "touch"), creature.name());
         print_knowledge(self.record);
         self.record.open_directions.iter().for_each(|words| say!("  {words}"));
         say!("");

@@ -73,7 +73,6 @@ pub fn run(args: &TalkArguments) -> Outcome {
         )));
     };
     let page = args.live.place()?;
-    let place = args.scene.display();
     // A file that is not there is told of as such, before anything is simulated.
     model_hash(&args.scene)?;
     let spinner = progress::spinner("getting ready");
@@ -82,9 +81,9 @@ pub fn run(args: &TalkArguments) -> Outcome {
     let root = session.options.root.clone();
     let options = StageOptions { joints: selection, root, ..StageOptions::default() };
     let stage = Stage::new(&args.scene, &options);
-    let stage = stage.map_err(|error| Failure(format!("{place}: {error}")))?;
+    let stage = stage.map_err(|error| Failure::at(&args.scene, error))?;
     let actor = Actor::new(own, stage.handle(), [first, second], args.seed);
-    let mut actor = actor.map_err(|error| Failure(format!("{place}: {error}")))?;
+    let mut actor = actor.map_err(|error| Failure::at(&args.scene, error))?;
     stage.place(&actor.ready())?;
     let conversation = Conversation::new(actor)?;
     spinner.finish_and_clear();

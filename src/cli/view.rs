@@ -9,10 +9,8 @@ use super::learned::read_log;
 use super::open::{MAX, ModelArguments, embodied, known_truth};
 use super::{Failure, Outcome, live};
 use crate::creature::JointSelection;
-use crate::learning::Certainty;
 use crate::session::{LearningRecord, ReadLock, SCHEMA_FILE, SESSION_FILE, Session, read_schema};
 use crate::view::live::{LookedAt, LookingView};
-use crate::view::tone::Tone;
 
 /// Where sessions are, unless they are named.
 const SESSIONS: &str = "sessions";
@@ -51,10 +49,10 @@ pub struct ViewArguments {
 
 pub fn run(args: &ViewArguments) -> Outcome {
     // An address that cannot be had is told of before anything is read.
-    let place = live::place_at(args.live, !args.no_open && std::io::stdin().is_terminal())?;
+    let place = live::Place::new(args.live, !args.no_open && std::io::stdin().is_terminal())?;
     let what = if args.what.is_empty() { newest()? } else { args.what.clone() };
     let all = what.iter().map(|one| looked_at(one, args)).collect::<Result<Vec<LookedAt>, Failure>>()?;
-    live::look(LookingView::new(all), place)
+    live::look(LookingView(all), place)
 }
 
 /// The newest sessions of the usual folder.
@@ -92,10 +90,8 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
             schema: truth.schema.clone(),
             truth: None,
             appearance: Some(truth.appearance.clone()),
-            certainty: Certainty::Exact,
+            record: None,
             touches: Vec::new(),
-            verdict: "the model as it is".into(),
-            tone: None,
         });
     }
     let _reading = ReadLock::take(what)?;
@@ -103,17 +99,15 @@ fn looked_at(what: &Path, args: &ViewArguments) -> Result<LookedAt, Failure> {
     let creature = session.agent.creature();
     let schema = read_schema(&what.join(SCHEMA_FILE), creature)?;
     let touches = read_log(what, &session.agent)?;
-    let record = LearningRecord::read(what, creature)?;
+    let record = Some(LearningRecord::read(what, creature)?);
     let truth = known_truth(&session, args.model.as_deref())?;
     Ok(LookedAt {
         name,
         schema,
         appearance: truth.as_ref().map(|truth| truth.appearance.clone()),
         truth: truth.map(|truth| truth.schema),
-        certainty: record.certainty(),
+        record,
         touches,
-        tone: Some(Tone::of(&record)),
-        verdict: record.verdict,
         agent: session.agent,
     })
 }

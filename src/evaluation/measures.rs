@@ -67,17 +67,6 @@ pub struct HeldOutPoint {
     pub p_a: Vector3<f64>,
 }
 
-/// One held-out error.
-#[derive(Clone, Debug)]
-pub struct HeldOutError {
-    /// The limb of the skin point, and the limb in whose frame it is expressed.
-    pub limbs: [usize; 2],
-    /// The joints between them.
-    pub joints: Vec<usize>,
-    /// Distance between where the schema and where the truth puts the point, millimetres.
-    pub millimetres: f64,
-}
-
 /// At [`HELD_OUT_POSTURES`] random postures, a random skin point of a random limb, to be expressed in the
 /// frame of another random limb. Always the same of one creature and skin.
 pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
@@ -112,20 +101,15 @@ impl HeldOutPoint {
     }
 }
 
-/// The errors at the [`held_out_points`], learned against true.
+/// The errors at held-out points: the distances between where a schema and where the truth puts them, millimetres.
 pub fn held_out(
     creature: &Creature,
     truth: &GroundTruth,
     schema: &BodySchema,
     points: &[HeldOutPoint],
-) -> Vec<HeldOutError> {
-    let error = |point: &HeldOutPoint| {
-        let [a, b] = point.limbs;
-        let miss = point.land(creature, schema) - point.land(creature, &truth.schema);
-        let joints = Chain::between(creature, a, b).joints().collect();
-        HeldOutError { limbs: point.limbs, joints, millimetres: 1e3 * miss.norm() }
-    };
-    points.iter().map(error).collect()
+) -> Vec<f64> {
+    let off = |point: &HeldOutPoint| point.land(creature, schema) - point.land(creature, &truth.schema);
+    points.iter().map(|point| 1e3 * off(point).norm()).collect()
 }
 
 /// The held-out error beside the least that any unbiased learner could have made of the same touches.
@@ -159,11 +143,11 @@ impl CramerRaoBound {
         account: &Account,
         observability: &Observability,
         points: &[HeldOutPoint],
-        errors: &[HeldOutError],
+        errors: &[f64],
     ) -> Option<CramerRaoBound> {
         let (mut bounds, mut squares, mut count) = (0.0, 0.0, 0);
         for (point, error) in points.iter().zip(errors) {
-            if !account.claims(error.limbs[0], error.limbs[1]) {
+            if !account.claims(point.limbs[0], point.limbs[1]) {
                 continue;
             }
             let deviation =
@@ -171,7 +155,7 @@ impl CramerRaoBound {
             // A direction that no touch feels bounds nothing.
             if deviation.is_finite() {
                 bounds += (1e3 * deviation).powi(2);
-                squares += error.millimetres * error.millimetres;
+                squares += error * error;
                 count += 1;
             }
         }

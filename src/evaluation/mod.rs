@@ -12,8 +12,8 @@ mod progress;
 
 pub use map_agreement::MapAgreement;
 pub use measures::{
-    AxisErrors, CramerRaoBound, HELD_OUT_POSTURES, HeldOutError, HeldOutPoint, Summary, axis_errors,
-    held_out, held_out_points, touch_misses, touches_across,
+    AxisErrors, CramerRaoBound, HELD_OUT_POSTURES, HeldOutPoint, Summary, axis_errors, held_out,
+    held_out_points, touch_misses, touches_across,
 };
 
 pub use own_account::OwnAccount;
@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::ground_truth::GroundTruth;
+use crate::kinematics::Chain;
 use crate::learning::{Account, Learned};
 use crate::schema::BodySchema;
 
@@ -91,21 +92,24 @@ fn measure(
     let bound_mm = account.and_then(|account| {
         CramerRaoBound::new(creature, schema, account, &account.observability, &points, &errors)
     });
-    let all = errors.iter().map(|e| e.millimetres);
-    let determined = errors.iter().filter(|e| match account {
-        Some(account) => account.claims(e.limbs[0], e.limbs[1]),
+    let located = |[a, b]: [usize; 2]| match account {
+        Some(account) => account.claims(a, b),
         None => {
-            !e.joints.iter().any(|j| undetermined.contains(j))
-                && !e.limbs.iter().any(|limb| undetermined_limbs.contains(limb))
+            !Chain::between(creature, a, b).joints().any(|joint| undetermined.contains(&joint))
+                && ![a, b].iter().any(|limb| undetermined_limbs.contains(limb))
         }
-    });
-    let hands = || errors.iter().filter(|e| e.limbs.iter().any(|&limb| is_hand(creature, limb)));
+    };
+    let with_hand = |limbs: [usize; 2]| limbs.iter().any(|&limb| is_hand(creature, limb));
+    let of = |counts: &dyn Fn([usize; 2]) -> bool| {
+        let errors = points.iter().zip(&errors).filter(|(point, _)| counts(point.limbs));
+        Summary::of(errors.map(|(_, error)| *error))
+    };
     let axes = axis_errors(creature, truth, schema, undetermined, undetermined_limbs);
     Evaluation {
-        heldout_mm: Summary::of(all),
-        determined_mm: Summary::of(determined.map(|e| e.millimetres)),
+        heldout_mm: of(&|_| true),
+        determined_mm: of(&located),
         bound_mm,
-        hand_mm: hands().next().map(|_| Summary::of(hands().map(|e| e.millimetres))),
+        hand_mm: points.iter().any(|point| with_hand(point.limbs)).then(|| of(&with_hand)),
         axis_deg: Summary::of(axes.iter().map(|e| e.degrees)),
         axis_line_mm: Summary::of(axes.iter().filter_map(|e| e.line_millimetres)),
     }

@@ -37,7 +37,7 @@ impl<'a> Progress<'a> {
     /// Root mean square of a schema's held-out errors, millimetres; `None` if there is no point.
     pub fn error_rms(&self, schema: &BodySchema) -> Option<f64> {
         let errors = held_out(self.agent.creature(), self.truth, schema, &self.points);
-        let squares: f64 = errors.iter().map(|error| error.millimetres.powi(2)).sum();
+        let squares: f64 = errors.iter().map(|error| error.powi(2)).sum();
         (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt())
     }
 

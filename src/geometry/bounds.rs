@@ -28,6 +28,12 @@ impl Ball {
     }
 }
 
+/// The least and the greatest corner of the box along the axes about some points; `None` if there are none.
+pub fn box_about(points: impl IntoIterator<Item = Vector3<f64>>) -> Option<[Vector3<f64>; 2]> {
+    let corners = points.into_iter().map(|point| [point, point]);
+    corners.reduce(|[low, high], [least, most]| [low.inf(&least), high.sup(&most)])
+}
+
 /// Some of a list of capsules that lie together, and a ball about them.
 #[derive(Clone, Debug)]
 pub struct Cluster {
@@ -41,10 +47,8 @@ pub struct Cluster {
 /// apart. `members` are places in `capsules`.
 pub fn clusters(members: Vec<u32>, capsules: &[Capsule], largest: f64) -> Vec<Cluster> {
     let of = |member: &u32| &capsules[*member as usize];
-    let ends = || members.iter().flat_map(|member| of(member).ends);
-    let low = ends().reduce(|a, b| a.inf(&b));
-    let high = ends().reduce(|a, b| a.sup(&b));
-    let (Some(low), Some(high)) = (low, high) else { return Vec::new() };
+    let ends = members.iter().flat_map(|member| of(member).ends);
+    let Some([low, high]) = box_about(ends) else { return Vec::new() };
     let centre = 0.5 * (low + high);
     let reach = |member: &u32| {
         let capsule = of(member);

@@ -18,7 +18,7 @@ mod samples;
 mod shape;
 mod simplex;
 
-pub use bounds::{Ball, Cluster, clusters};
+pub use bounds::{Ball, Cluster, box_about, clusters};
 pub use capsule::{Capsule, closest_points};
 pub use contact_region::ContactRegion;
 pub use formats::UrdfGeometry;

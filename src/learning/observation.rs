@@ -6,34 +6,36 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::Frame;
 use crate::named::named;
 
-/// What the agent knows of its skin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum SkinKnowledge {
-    /// The surfaces under the receptors, each in its limb's own frame.
-    #[default]
-    Surface,
-    /// The receptors' centres and extents alone.
-    Centres,
+named! {
+    "knowledge of the skin",
+    /// What the agent knows of its skin.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum SkinKnowledge {
+        /// The surfaces under the receptors, each in its limb's own frame.
+        #[default]
+        Surface = "surface",
+        /// The receptors' centres and extents alone.
+        Centres = "centres",
+    }
 }
 
-named!(SkinKnowledge, "knowledge of the skin", { Surface => "surface", Centres => "centres" });
-
-/// Which frames points on limbs are given in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum LimbFrames {
-    /// Those of the joints that carry the limbs: with their origins there and, in the reference posture,
-    /// parallel to their parents'.
-    #[default]
-    Joint,
-    /// A frame of its own for every limb, fixed to it, nobody knows where: its pose on the joint is learned.
-    Limb,
+named! {
+    "frames",
+    /// Which frames points on limbs are given in.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum LimbFrames {
+        /// Those of the joints that carry the limbs: with their origins there and, in the reference posture,
+        /// parallel to their parents'.
+        #[default]
+        Joint = "joint",
+        /// A frame of its own for every limb, fixed to it, nobody knows where: its pose on the joint is learned.
+        Limb = "limb",
+    }
 }
-
-named!(LimbFrames, "frames", { Joint => "joint", Limb => "limb" });
 
 /// What one end of a touch reports.
 #[derive(Clone, Copy, Debug, PartialEq)]

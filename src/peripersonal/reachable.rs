@@ -15,6 +15,7 @@ use crate::error::Error;
 use crate::geometry::Frame;
 use crate::kinematics::{Place, PlaceChain, Workspace};
 use crate::learning::Certainty;
+use crate::named::named;
 
 /// The most voxels that a map may have about a hand, reached or not.
 const MOST_VOXELS: usize = 1 << 27;
@@ -37,15 +38,18 @@ pub fn voxel_side(length: f64, many: f64) -> f64 {
     [5.0, 2.0, 1.0].into_iter().find(|&round| round * decade <= side).unwrap_or(1.0) * decade
 }
 
-/// How far away a place is, by what it takes to get there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// The arm alone reaches it.
-    Near,
-    /// The arm reaches it when the trunk leans.
-    Far,
-    /// Nothing does.
-    OutOfReach,
+named! {
+    "level",
+    /// How far away a place is, by what it takes to get there.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Level {
+        /// The arm alone reaches it.
+        Near = "near",
+        /// The arm reaches it when the trunk leans.
+        Far = "far",
+        /// Nothing does.
+        OutOfReach = "out of reach",
+    }
 }
 
 impl Level {
@@ -55,15 +59,6 @@ impl Level {
             Level::Near => 2,
             Level::Far => 1,
             Level::OutOfReach => 0,
-        }
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Level::Near => "near",
-            Level::Far => "far",
-            Level::OutOfReach => "out of reach",
         }
     }
 }

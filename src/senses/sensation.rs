@@ -6,21 +6,22 @@ use serde::Serialize;
 use super::{SkinContact, Toucher};
 use crate::named::named;
 
-/// What kind of touch it was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TouchKind {
-    /// Short, and at one place.
-    Tap,
-    /// Longer, and at one place.
-    Press,
-    /// Along the skin.
-    Stroke,
-    /// Along the skin to and fro.
-    Rub,
+named! {
+    "touch",
+    /// What kind of touch it was.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum TouchKind {
+        /// Short, and at one place.
+        Tap = "tap",
+        /// Longer, and at one place.
+        Press = "press",
+        /// Along the skin.
+        Stroke = "stroke",
+        /// Along the skin to and fro.
+        Rub = "rub",
+    }
 }
-
-named!(TouchKind, "touch", { Tap => "tap", Press => "press", Stroke => "stroke", Rub => "rub" });
 
 /// What a limb felt of one side of a sensation.
 #[derive(Clone, Debug, PartialEq)]

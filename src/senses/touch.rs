@@ -10,19 +10,20 @@ use crate::creature::{Creature, Posture};
 use crate::named::named;
 use crate::skin::Skin;
 
-/// What a skin reports of where it was touched.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Input {
-    /// The receptors that fired, as in the paper.
-    #[default]
-    Receptor,
-    /// The contact points as well, for recordings that have them and for comparison.
-    Contact,
+named! {
+    "input",
+    /// What a skin reports of where it was touched.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Input {
+        /// The receptors that fired, as in the paper.
+        #[default]
+        Receptor = "receptor",
+        /// The contact points as well, for recordings that have them and for comparison.
+        Contact = "contact",
+    }
 }
-
-named!(Input, "input", { Receptor => "receptor", Contact => "contact" });
 
 /// Where a skin that reports points was touched.
 #[derive(Clone, Copy, Debug, PartialEq)]

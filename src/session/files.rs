@@ -158,7 +158,7 @@ pub(super) fn open(path: &Path) -> Result<File, Error> {
 }
 
 /// Writes a value as JSON that people can read, whole or not at all; its folder is made if missing.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
     let json = serde_json::to_string_pretty(value).map_err(|error| Error::unwritable(path)(error.into()))?;
     make_folder(folder_of(path))?;
     write_whole(path, (on_lines(&json) + "\n").as_bytes()).map_err(Error::unwritable(path))

@@ -12,6 +12,7 @@ use crate::creature::Creature;
 use crate::error::Error;
 use crate::evaluation::CramerRaoBound;
 use crate::learning::{Account, Certainty};
+use crate::named::plural;
 use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
@@ -136,8 +137,7 @@ impl LearningRecord {
 
     /// How many directions no touch feels, and what that means for what is located.
     pub fn directions_in_words(&self) -> String {
-        let count = self.open_directions.len();
-        let directions = if count == 1 { "1 direction".to_string() } else { format!("{count} directions") };
+        let directions = plural(self.open_directions.len(), "direction");
         match self.undetermined.is_empty() && self.undetermined_limbs.is_empty() {
             true => {
                 format!(

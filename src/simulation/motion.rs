@@ -60,19 +60,20 @@ impl std::ops::AddAssign for Effort {
     }
 }
 
-/// How the body is moved from posture to posture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum MotionName {
-    /// Straight from posture to posture, without forces.
-    #[default]
-    Kinematic,
-    /// By servos, under gravity, at human speeds.
-    Dynamic,
+named! {
+    "motion",
+    /// How the body is moved from posture to posture.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum MotionName {
+        /// Straight from posture to posture, without forces.
+        #[default]
+        Kinematic = "kinematic",
+        /// By servos, under gravity, at human speeds.
+        Dynamic = "dynamic",
+    }
 }
-
-named!(MotionName, "motion", { Kinematic => "kinematic", Dynamic => "dynamic" });
 
 /// What moves a body.
 pub(super) trait Motion {

@@ -8,15 +8,15 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::generated::GeneratedBody;
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName};
 use crate::deadline::{Deadline, Tally, apart, count};
 use crate::error::Error;
-use crate::evaluation::{HeldOutError, HeldOutPoint, held_out, held_out_points};
+use crate::evaluation::{HeldOutPoint, held_out, held_out_points};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
 use crate::learning::{Input, Learned, Learner, LengthUnit, SecondOrder, Verdict, Z95};
@@ -34,46 +34,13 @@ pub(super) const STUDY: Study = Study {
     touches: Some(1000),
     seconds: Some(50.0),
     cases: || WAYS.iter().map(|way| way.name.to_string()).collect(),
-    columns: &[
-        Column::new("way", &[By::Case]),
-        Column::new("family", &[By::Part]),
-        Column::new("seed", &[]),
-        Column::new("limb_m", &[]),
-        Column::new("limbs", &[]),
-        Column::new("dof", &[]),
-        Column::new("hinges", &[]),
-        Column::new("slides", &[]),
-        Column::new("balls", &[]),
-        Column::new("locked", &[]),
-        Column::new("spins", &[]),
-        Column::new("followers", &[]),
-        Column::new("skew", &[]),
-        Column::new("policy", &[]),
-        Column::new("touches", &[]),
-        Column::new("outcome", &[]),
-        Column::new("touched", &[By::Sum]),
-        Column::new("refused", &[By::Sum]),
-        Column::new("whole", &[By::Sum]),
-        Column::new("learned", &[By::Sum]),
-        Column::new("learned_partly", &[By::Sum]),
-        Column::new("not_learned", &[By::Sum]),
-        Column::new("late", &[By::Sum]),
-        Column::new("joints", &[]),
-        Column::new("joints_named", &[]),
-        Column::new("heldout_mm", &[]),
-        Column::new("worst_heldout_mm", &[]),
-        Column::new("heldout_percent", &[By::Median]),
-        Column::new("right", &[]),
-        Column::new("pairs", &[By::Sum]),
-        Column::new("determined", &[By::Sum]),
-        Column::new("claims", &[By::Sum]),
-        Column::new("wrong", &[By::Sum]),
-        Column::new("worst_mm", &[]),
-        Column::new("worst_deviations", &[]),
-        Column::new("work_s", &[By::Median]),
-        Column::new("reason", &[]),
-        Column::new("command", &[]),
-    ],
+    columns: columns! {
+        way: Case, family: Part, seed, limb_m, limbs, dof, hinges, slides, balls, locked, spins, followers,
+        skew, policy, touches, outcome, touched: Sum, refused: Sum, whole: Sum, learned: Sum,
+        learned_partly: Sum, not_learned: Sum, late: Sum, joints, joints_named, heldout_mm,
+        worst_heldout_mm, heldout_percent: Median, right, pairs: Sum, determined: Sum, claims: Sum,
+        wrong: Sum, worst_mm, worst_deviations, work_s: Median, reason, command,
+    },
     notes: &[
         "whole: bodies of which 95 % of all held-out points are off by at most 1 % of the typical limb's length, whatever the \
          learner says; right: the share of these points. learned, learned_partly, not_learned: what the learner says; gradient \
@@ -218,13 +185,10 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
 
 /// Adds what was drawn, how it went in counts, and the command of a session with these `options`.
 fn describe(row: &mut Row, way: &str, body: &GeneratedBody, options: &str) {
-    let drawn = json!(body.drawn);
-    for name in
-        ["family", "limbs", "dof", "hinges", "slides", "balls", "locked", "spins", "followers", "skew"]
-    {
-        row[name] = drawn[name].clone();
+    if let Value::Object(drawn) = json!(body.drawn) {
+        drawn.into_iter().for_each(|(name, value)| row[name] = value);
     }
-    row["limb_m"] = json!(body.drawn.length);
+    row["limb_m"] = row["length"].take();
     row["way"] = json!(way);
     let outcome = row["outcome"].as_str().unwrap_or_default();
     let counts = [
@@ -341,10 +305,9 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
     let (agent, creature) = (embodied.agent(), embodied.creature());
     let points = held_out_points(agent);
     let errors = held_out(creature, embodied.truth(), &learned.schema, &points);
-    let millimetres = || errors.iter().map(|error| error.millimetres);
     let (count, limit) = (errors.len() as f64, 1e3 * RIGHT * length);
-    let mean = millimetres().sum::<f64>() / count;
-    let right = millimetres().filter(|&error| error <= limit).count() as f64 / count.max(1.0);
+    let mean = errors.iter().sum::<f64>() / count;
+    let right = errors.iter().filter(|&&error| error <= limit).count() as f64 / count.max(1.0);
     let [joints_named, limbs_named] = [learned.undetermined().len(), learned.undetermined_limbs().len()];
     let (outcome, reason) = match learned.verdict.clone() {
         Verdict::Converged if joints_named + limbs_named == 0 => ("learned", String::new()),
@@ -360,7 +323,7 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
         "joints_named": joints_named,
         "limbs_named": limbs_named,
         "heldout_mm": mean,
-        "worst_heldout_mm": millimetres().fold(f64::NAN, f64::max),
+        "worst_heldout_mm": errors.iter().copied().fold(f64::NAN, f64::max),
         "heldout_percent": 0.1 * mean / length,
         "right": right,
         "whole": right >= WHOLE,
@@ -373,15 +336,9 @@ fn measured(embodied: &Embodied, learned: &Learned, length: f64) -> Row {
 /// Compares the claims of a learner with the truth: that skin of two limbs of one class of its account is located in each other's
 /// frames. Adds how many pairs of limbs are claimed, how many of these wrongly, the greatest error of a claim, and the most of its
 /// own deviations that an error is that matters.
-fn judge(
-    row: &mut Row,
-    embodied: &Embodied,
-    learned: &Learned,
-    (points, errors): (&[HeldOutPoint], &[HeldOutError]),
-) {
+fn judge(row: &mut Row, embodied: &Embodied, learned: &Learned, (points, errors): (&[HeldOutPoint], &[f64])) {
     (row["claims"], row["wrong"]) = (json!(0), json!(0));
-    let account = learned.account.as_ref().filter(|_| learned.verdict.converged());
-    let Some(account) = account else { return };
+    let Some(account) = learned.reliable_account() else { return };
     // What is off by little of a person is off by much of a hand.
     let negligible = LengthUnit::of(embodied.agent()).metres() * NEGLIGIBLE_MM;
     // Metres; of a point that has none, the deviation that would just be claimed.
@@ -393,7 +350,7 @@ fn judge(
     let (mut worst_mm, mut worst_deviations) = (f64::NAN, f64::NAN);
     // Per pair of limbs that is claimed, whether that is wrong.
     let mut claims: BTreeMap<[usize; 2], bool> = BTreeMap::new();
-    for (point, HeldOutError { millimetres, .. }) in points.iter().zip(errors) {
+    for (point, millimetres) in points.iter().zip(errors) {
         let [a, b] = point.limbs;
         if !account.claims(a, b) {
             continue;

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 use crate::error::Error;
 use crate::session::{DisturbanceLevels, LearningOptions};
 
@@ -13,19 +13,11 @@ pub(super) const STUDY: Study = Study {
     touches: Some(1000),
     seconds: None,
     cases: || LEVELS.map(|levels| levels.to_string()).into(),
-    columns: &[
-        Column::new("disturbances", &[By::Case]),
-        Column::new("joint_noise_deg", &[]),
-        Column::new("receptor_noise_mm", &[]),
-        Column::new("false_touches", &[]),
-        Column::new("seed", &[]),
-        Column::new("converged", &[By::Share]),
-        Column::new("heldout_mm", &[By::Median, By::Most]),
-        Column::new("hand_mm", &[By::Median]),
-        Column::new("noise_estimate_mm", &[By::Median]),
-        Column::new("initial_guesses", &[]),
-        Column::new("work_s", &[By::Median]),
-    ],
+    columns: columns! {
+        disturbances: Case, joint_noise_deg, receptor_noise_mm, false_touches, seed, converged: Share,
+        heldout_mm: Median Most, hand_mm: Median, noise_estimate_mm: Median, initial_guesses,
+        work_s: Median,
+    },
     notes: &[
         "heldout_mm: mean held-out error on the true skin. noise_estimate_mm: the learner's own estimate of the deviation of a \
          touch's gap, at least 0.001 mm, over the trials that converged.",

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::{By, Column, Row, Studied, Study, Subject, Trial};
+use super::{Row, Studied, Study, Subject, Trial, columns};
 use crate::creature::DofKind;
 use crate::error::Error;
 use crate::evaluation::{evaluate, evaluate_learned};
@@ -30,18 +30,10 @@ pub(super) const STUDY: Study = Study {
     touches: Some(20_000),
     seconds: None,
     cases: || conditions().map(|condition| condition.name()).collect(),
-    columns: &[
-        Column::new("given", &[By::Case]),
-        Column::new("initial_guess", &[By::Case]),
-        Column::new("rule", &[By::Case]),
-        Column::new("seed", &[]),
-        Column::new("touches", &[]),
-        Column::new("before_mm", &[By::Median]),
-        Column::new("heldout_mm", &[By::Median, By::Least, By::Most]),
-        Column::new("below_20_mm", &[By::Sum]),
-        Column::new("below_50_mm", &[By::Sum]),
-        Column::new("axis_deg", &[By::Median]),
-    ],
+    columns: columns! {
+        given: Case, initial_guess: Case, rule: Case, seed, touches, before_mm: Median,
+        heldout_mm: Median Least Most, below_20_mm: Sum, below_50_mm: Sum, axis_deg: Median,
+    },
     notes: &[
         "heldout_mm: mean held-out error; below_20_mm and below_50_mm: trials that end below these; before_mm: \
          the same error before the first touch. axis_deg: median angle between learned and true axes.",
@@ -61,25 +53,21 @@ const LEVELS_MM: [f64; 2] = [20.0, 50.0];
 /// The seed's stream for what is seen; initial guesses are drawn from stream 0, as the learner `hersch` draws its own.
 const VISION_STREAM: u64 = 2;
 
-/// What the rule is given of a posture.
-#[derive(Clone, Copy, PartialEq)]
-enum Given {
-    /// The centres of the two receptors that touch.
-    Centres,
-    /// The point of contact in the frames of both limbs.
-    Contacts,
-    /// A point of one of the limbs that touch in its own frame and in that of the other.
-    VisionOfTouching,
-    /// The same of any two limbs.
-    VisionOfAny,
+named! {
+    "input",
+    /// What the rule is given of a posture.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Given {
+        /// The centres of the two receptors that touch.
+        Centres = "touch, receptor centres",
+        /// The point of contact in the frames of both limbs.
+        Contacts = "touch, exact points",
+        /// A point of one of the limbs that touch in its own frame and in that of the other.
+        VisionOfTouching = "vision, limbs that touch",
+        /// The same of any two limbs.
+        VisionOfAny = "vision, any limbs",
+    }
 }
-
-named!(Given, "input", {
-    Centres => "touch, receptor centres",
-    Contacts => "touch, exact points",
-    VisionOfTouching => "vision, limbs that touch",
-    VisionOfAny => "vision, any limbs",
-});
 
 /// How the rule is applied.
 #[derive(Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 use crate::error::Error;
 use crate::learning::SkinKnowledge;
 use crate::learning::learners::{HerschsRule, RepairedHersch};
@@ -15,16 +15,10 @@ pub(super) const STUDY: Study = Study {
     touches: Some(1000),
     seconds: None,
     cases: || learners().map(|(name, _)| name.to_string()).into(),
-    columns: &[
-        Column::new("learner", &[By::Case]),
-        Column::new("touches", &[By::Case]),
-        Column::new("seed", &[]),
-        Column::new("heldout_mm", &[By::Median, By::Least, By::Most]),
-        Column::new("hand_mm", &[]),
-        Column::new("converged", &[By::Share]),
-        Column::new("initial_guesses", &[By::Median]),
-        Column::new("work_s", &[By::Median]),
-    ],
+    columns: columns! {
+        learner: Case, touches: Case, seed, heldout_mm: Median Least Most, hand_mm, converged: Share,
+        initial_guesses: Median, work_s: Median,
+    },
     notes: &[
         "heldout_mm: mean held-out error. converged: the learner's own verdict; for hersch and gradient, which \
          have none, a held-out error of at most 10 mm. work_s: work of learning, in seconds of one core.",

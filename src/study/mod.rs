@@ -23,6 +23,7 @@ pub(crate) use bodies::by_default;
 pub use run::{Asked, Findings, StudyOptions, StudyRun, Trial};
 pub use shares::StudyShare;
 pub use subject::Subject;
+pub(crate) use table::columns;
 pub use table::{By, Column, Row, Table};
 
 use crate::error::Error;

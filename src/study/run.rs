@@ -12,6 +12,7 @@ use super::{Row, Studied, Study, Subject, Table};
 use crate::deadline::apart;
 use crate::error::Error;
 use crate::mujoco;
+use crate::named::plural;
 use crate::session::{Embodied, PROGRAM, SCHEMA_FILE, files, model_hash};
 
 /// Trials of a study at most.
@@ -150,7 +151,6 @@ impl Asked {
             _ => format!("{} to {}", seeds.start, seeds.end - 1),
         };
         let touches = touches.map(|touches| format!(" of {touches} touches")).unwrap_or_default();
-        let plural = if *trials == 1 { "" } else { "s" };
         let creature = self.creature.as_ref().map(|creature| {
             let AskedCreature { name, joints, dof, model, moving, .. } = creature;
             let learned = session.as_ref().map(|session| format!(", as learned in {}", session.display()));
@@ -160,7 +160,10 @@ impl Asked {
                 learned.unwrap_or_default()
             )
         });
-        creature.into_iter().chain([format!("{trials} trial{plural}{touches}, seeds {seeds}")]).collect()
+        creature
+            .into_iter()
+            .chain([format!("{}{touches}, seeds {seeds}", plural(*trials as usize, "trial"))])
+            .collect()
     }
 }
 
@@ -176,19 +179,15 @@ impl StudyRun {
         creature: Option<Embodied>,
     ) -> Result<StudyRun, Error> {
         let acts = study.of == Studied::Acting;
-        let refused = |option: &str| {
-            let why = format!("study {} does not use {option}: leave it out", study.name);
-            Err(Error::usage(why))
-        };
         let babbles = study.touches.is_some() || acts && options.session.is_none();
-        if options.touches.is_some() && !babbles {
-            return refused("--touches (use --trials)");
-        }
-        if options.seconds.is_some() && study.seconds.is_none() {
-            return refused("--seconds");
-        }
-        if options.session.is_some() && !acts {
-            return refused("--session");
+        let unused = [
+            ("--touches (use --trials)", options.touches.is_some() && !babbles),
+            ("--seconds", options.seconds.is_some() && study.seconds.is_none()),
+            ("--session", options.session.is_some() && !acts),
+        ];
+        if let Some((option, _)) = unused.into_iter().find(|(_, unused)| *unused) {
+            let why = format!("study {} does not use {option}: leave it out", study.name);
+            return Err(Error::usage(why));
         }
         if options.seconds.is_some_and(|seconds| seconds.is_nan() || seconds <= 0.0) {
             return Err(Error::usage("--seconds: give a number above 0"));
@@ -243,19 +242,11 @@ impl StudyRun {
         Ok(TrialRecord { seconds: began.elapsed().as_secs_f64(), rows })
     }
 
-    /// Makes all trials, on all threads and in memory.
+    /// Makes the trials of the seeds that `begins` says yes to, which is asked before each; on all threads and in memory.
     ///
     /// # Errors
     /// If something cannot be measured at all.
-    pub fn findings(&self) -> Result<Findings, Error> {
-        self.findings_of(|_| true)
-    }
-
-    /// The same of the seeds that `begins` says yes to, which is asked before each trial.
-    ///
-    /// # Errors
-    /// As [`StudyRun::findings`].
-    pub fn findings_of(&self, begins: impl Fn(u64) -> bool + Sync) -> Result<Findings, Error> {
+    pub fn findings(&self, begins: impl Fn(u64) -> bool + Sync) -> Result<Findings, Error> {
         let seeds = self.asked.seeds().into_par_iter().filter(|seed| begins(*seed));
         let trials = seeds.map(|seed| self.trial(seed));
         Findings::of(self.asked.clone(), trials.collect::<Result<Vec<_>, _>>()?)

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 use crate::creature::JointSelection;
 use crate::error::{Error, Result};
 use crate::senses::{Sensation, TouchEvent, TouchKind, TouchSensor, Toucher};
@@ -19,28 +19,11 @@ pub(super) const STUDY: Study = Study {
     touches: None,
     seconds: None,
     cases: || Doing::ALL.map(|doing| doing.name().to_string()).into(),
-    columns: &[
-        Column::new("done", &[By::Case]),
-        Column::new("seed", &[]),
-        Column::new("limb", &[]),
-        Column::new("last_limb", &[]),
-        Column::new("force_n", &[]),
-        Column::new("reported", &[]),
-        Column::new("reported_limb", &[]),
-        Column::new("reported_last_limb", &[]),
-        Column::new("tap", &[By::Sum]),
-        Column::new("press", &[By::Sum]),
-        Column::new("stroke", &[By::Sum]),
-        Column::new("rub", &[By::Sum]),
-        Column::new("nothing", &[By::Sum]),
-        Column::new("kind_right", &[By::Share]),
-        Column::new("limbs_right", &[By::Share]),
-        Column::new("alone", &[By::Share]),
-        Column::new("right", &[By::Share]),
-        Column::new("peak_force_n", &[]),
-        Column::new("duration_s", &[]),
-        Column::new("latency_s", &[By::Median, By::Most]),
-    ],
+    columns: columns! {
+        done: Case, seed, limb, last_limb, force_n, reported, reported_limb, reported_last_limb, tap: Sum,
+        press: Sum, stroke: Sum, rub: Sum, nothing: Sum, kind_right: Share, limbs_right: Share,
+        alone: Share, right: Share, peak_force_n, duration_s, latency_s: Median Most,
+    },
     notes: &[
         "Rows are stimuli; tap, press, stroke, rub and nothing count the touch sensor's reports. right: one \
          sensation of the right kind, from the right limb to the right limb. latency_s: delay between the last \

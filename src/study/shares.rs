@@ -1,7 +1,6 @@
 //! The trials of a study as files in a folder, written by one or several interruptible processes.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -12,7 +11,7 @@ use serde_json::json;
 use super::run::{MOST_TRIALS, TrialRecord};
 use super::{Asked, Findings, StudyOptions, StudyRun};
 use crate::error::Error;
-use crate::session::{STUDY_SHARE_FILE, ShareRecord, difference, files, write_whole};
+use crate::session::{STUDY_SHARE_FILE, ShareRecord, difference, files};
 use crate::share::Share;
 
 /// Where trials are, in the folder of a share.
@@ -81,12 +80,10 @@ impl StudyShare {
         if StudyShare::is_in(folder) {
             StudyShare::read(folder)?.check(folder, self)?;
         } else {
-            let trials = folder.join(TRIALS_FOLDER);
-            fs::create_dir_all(&trials).map_err(Error::unwritable(&trials))?;
-            write(&folder.join(STUDY_SHARE_FILE), self)?;
+            files::write_json(&folder.join(STUDY_SHARE_FILE), self)?;
         }
         self.missing(folder).into_par_iter().try_for_each(|seed| {
-            write(&trial_file(folder, seed), &run.trial(seed)?)?;
+            files::write_json(&trial_file(folder, seed), &run.trial(seed)?)?;
             made();
             Ok(())
         })
@@ -124,12 +121,6 @@ impl Findings {
 
 fn trial_file(folder: &Path, seed: u64) -> PathBuf {
     folder.join(TRIALS_FOLDER).join(format!("{seed}.json"))
-}
-
-/// Writes a file whole or not at all.
-fn write(path: &Path, content: &impl Serialize) -> Result<(), Error> {
-    let text = serde_json::to_string(content).map_err(|error| Error::unfit(path, error.to_string()))?;
-    write_whole(path, format!("{text}\n").as_bytes()).map_err(Error::unwritable(path))
 }
 
 fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Error> {

@@ -36,12 +36,14 @@ pub enum By {
     Sum,
 }
 
-impl Column {
-    /// A column that is summarized in some ways.
-    pub const fn new(name: &'static str, by: &'static [By]) -> Column {
-        Column { name, by }
-    }
+/// The columns of a study, each with the ways in which the summary has it: `columns! { way: Case, seed, error_mm: Median Most }`.
+macro_rules! columns {
+    ($($name:ident $(: $($by:ident)+)?),* $(,)?) => {
+        &[$($crate::study::Column { name: stringify!($name), by: &[$($($crate::study::By::$by),+)?] }),*]
+    };
 }
+
+pub(crate) use columns;
 
 /// Rows of values under names, in the order of their columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,14 +142,9 @@ impl By {
 mod tests {
     use super::*;
 
-    const COLUMNS: &[Column] = &[
-        Column::new("way", &[By::Case]),
-        Column::new("family", &[By::Part]),
-        Column::new("seed", &[]),
-        Column::new("error_mm", &[By::Median, By::Most]),
-        Column::new("right", &[By::Share]),
-        Column::new("claims", &[By::Sum]),
-    ];
+    const COLUMNS: &[Column] = columns! {
+        way: Case, family: Part, seed, error_mm: Median Most, right: Share, claims: Sum,
+    };
 
     fn rows() -> Vec<Row> {
         let row = |way: &str, family: &str, seed: u64, error_mm: f64, right: Option<bool>| json!({"way": way, "family": family, "seed": seed, "error_mm": error_mm, "right": right, "claims": seed});

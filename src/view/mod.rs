@@ -13,7 +13,6 @@ pub mod live;
 #[cfg(feature = "render")]
 pub mod picture;
 pub mod report;
-pub mod space;
 pub(crate) mod table;
 pub(crate) mod text;
 pub mod tone;

@@ -158,12 +158,11 @@ mod tests {
 
     #[test]
     fn measurements_of_a_study_keep_all_their_digits_in_a_file() {
-        let columns = ["way", "error_mm", "right"].map(|name| study::Column::new(name, &[]));
         let rows = [
             json!({"way": "a, \"b\"", "error_mm": 0.1 + 0.2, "right": true}),
             json!({"way": "lm", "error_mm": f64::NAN}),
         ];
-        let table = study::Table::of(&columns, &rows);
+        let table = study::Table::of(study::columns! { way, error_mm, right }, &rows);
         let csv = Table::exact_of_study(&table).csv();
         assert_eq!(csv, "way,error_mm,right\n\"a, \"\"b\"\"\",0.30000000000000004,true\nlm,,\n");
         let lines: Vec<String> = Table::of_study(&table).lines().collect();

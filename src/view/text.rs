@@ -98,28 +98,6 @@ pub(super) fn harmless(json: &str) -> String {
     json.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
 }
 
-/// At most `most` of a list, evenly taken.
-pub(super) fn thinned<T>(list: Vec<T>, most: usize) -> Vec<T> {
-    let every = list.len().div_ceil(most.max(1)).max(1);
-    list.into_iter().step_by(every).collect()
-}
-
-/// `1 joint`, `2 joints`; in a phrase the first word takes the s.
-pub(crate) fn plural(count: usize, noun: &str) -> String {
-    if count == 1 {
-        return format!("1 {noun}");
-    }
-    match noun.split_once(' ') {
-        Some((first, rest)) => format!("{count} {first}s {rest}"),
-        None => format!("{count} {noun}s"),
-    }
-}
-
-/// `1 touch`, `2 touches`.
-pub(crate) fn touches(count: usize) -> String {
-    if count == 1 { "1 touch".into() } else { format!("{count} touches") }
-}
-
 /// A command line as a shell takes it.
 pub(crate) fn shell_words(words: &[String]) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
@@ -159,12 +137,6 @@ mod tests {
     #[test]
     fn names_cannot_leave_their_place() {
         assert_eq!(escape("<a href='x'>&\""), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;");
-    }
-
-    #[test]
-    fn counts_agree_with_their_nouns() {
-        assert_eq!(plural(1, "joint"), "1 joint");
-        assert_eq!(plural(3, "pair of limbs"), "3 pairs of limbs");
     }
 
     #[test]

@@ -94,7 +94,7 @@ fn of_small_bodies_nothing_is_claimed_wrongly() {
         let cases =
             ["default", "lm", "gradient", "hersch", "contact", "contact, angles"].map(String::from).to_vec();
         let options = StudyOptions { trials: 1, seed, touches: Some(150), cases, ..StudyOptions::default() };
-        let found = StudyRun::new(study, options, None).unwrap().findings().unwrap();
+        let found = StudyRun::new(study, options, None).unwrap().findings(|_| true).unwrap();
         let rows = found.table().to_json();
         let rows = rows.as_array().unwrap();
         let ways: Vec<&str> = rows.iter().map(|row| row["way"].as_str().unwrap()).collect();

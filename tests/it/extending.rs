@@ -114,7 +114,7 @@ pub(super) const SHRUG: RequestKind =
 
 use serde_json::json;
 
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 
 pub(super) const STUDY: Study = Study {
     name: "limbs",
@@ -123,7 +123,7 @@ pub(super) const STUDY: Study = Study {
     touches: None,
     seconds: None,
     cases: || vec!["all".into()],
-    columns: &[Column::new("case", &[By::Case]), Column::new("limbs", &[By::Median])],
+    columns: columns! { case: Case, limbs: Median },
     notes: &[],
     run: |trial: &Trial| Ok(vec![Row::from(json!({"case": trial.cases[0], "limbs": trial.seed}))]),
 };

@@ -273,7 +273,7 @@ fn the_command_tells_the_space_and_writes_its_files() {
     fs::write(place.path().join("arms.xml"), body.replace("_fore", "_hand")).unwrap();
     let babbled = run(place.path(), &["babble", "arms.xml", "--touches", "100", "--out", "arms"]);
     assert!(babbled.status.success(), "{}", String::from_utf8_lossy(&babbled.stderr));
-    let asked = ["reach", "arms", "--voxel", "0.05", "--vtk", "reach.vtk", "--picture", "reach.svg"];
+    let asked = ["reach", "arms", "--voxel", "0.05", "--vtk", "reach.vtk"];
     let output = run(place.path(), &[&asked[..], &["--at", "-0.2,0.3,0.4", "--json"]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -288,8 +288,10 @@ fn the_command_tells_the_space_and_writes_its_files() {
     let count: usize = dimensions.split(' ').map(|number| number.parse::<usize>().unwrap()).product();
     assert!(head.contains(&format!("POINT_DATA {count}\nSCALARS left_hand unsigned_char 1")), "{head}");
     assert!(vtk.len() > 2 * count && vtk.len() < 2 * count + 500);
-    let svg = fs::read_to_string(place.path().join("reach.svg")).unwrap();
-    assert!(svg.starts_with("<svg") && svg.contains("from above") && !svg.contains("NaN"));
+    assert!(run(place.path(), &["report", "arms"]).status.success());
+    let page = fs::read_to_string(place.path().join("arms/report.html")).unwrap();
+    let slices = page.split_once("id=\"reachable\"").unwrap().1.split_once("</svg>").unwrap().0;
+    assert!(slices.contains("from above") && !slices.contains("NaN"));
     // A point by itself takes no map, and changes nothing.
     let kept = fs::read(place.path().join("arms/space.json")).unwrap();
     let output = run(place.path(), &["reach", "arms", "--at", "-0.2,0.3,0.4"]);

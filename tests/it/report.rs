@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use bodyschema::agent::Agent;
 use bodyschema::creature::{Body, JointSelection};
-use bodyschema::evaluation::{Evaluation, Summary, evaluate, touch_misses};
+use bodyschema::evaluation::{Evaluation, evaluate};
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::mujoco::Model;
 use bodyschema::senses::{ExactContact, RecordedTouch, Touch, TouchEnd};
-use bodyschema::session::{Checkpoint, LearningRecord};
+use bodyschema::session::{self, Checkpoint, LearningRecord};
 use bodyschema::view::report::{self, ReportInput};
 use roxmltree::{Document, Node, ParsingOptions};
 use serde_json::{Value, json};
@@ -38,10 +38,9 @@ const ODD: &str = r#"<mujoco model="&lt;script&gt;alert('1')&lt;/script&gt; &amp
 </mujoco>"#;
 
 struct Session {
-    agent: Agent,
+    session: session::Session,
     truth: GroundTruth,
     evaluation: Evaluation,
-    residual: Summary,
     touches: Vec<RecordedTouch>,
     record: LearningRecord,
 }
@@ -62,7 +61,6 @@ impl Session {
             RecordedTouch::new(Touch { bout: 0, motion: 1, posture, ends, moment: None }, contact)
         };
         let touches = vec![touch("chest", "l"), touch("chest", "l"), touch("l", "r")];
-        let residual = touch_misses(&agent, &truth.schema, &touches);
         let checkpoint = |touches: usize, error: f64| Checkpoint {
             touches,
             schema: truth.schema.clone(),
@@ -72,33 +70,45 @@ impl Session {
         let checkpoints =
             vec![checkpoint(0, 300.0), checkpoint(1, 200.0), checkpoint(2, 2.5), checkpoint(3, 1e-9)];
         let record = LearningRecord {
+            program: "bodyschema".into(),
+            seed: 7,
+            facts: vec![("Engine & co".into(), "<b>2.2</b>".into())],
+            seconds: Some(4.31),
+            converged: true,
             verdict: "It can be relied on, \"mostly\" <so far>.".into(),
+            undetermined: vec!["ball".into()],
             open_directions: vec!["<ball> slides".to_string()],
             checkpoints,
             ..LearningRecord::default()
         };
-        Session { agent, truth, evaluation, residual, touches, record }
+        let command = ["bodyschema", "babble", "<odd>.xml"].map(String::from).to_vec();
+        let session = session::Session { agent, command, ..session::Session::default() };
+        Session { session, truth, evaluation, touches, record }
     }
 
     fn input(&self) -> ReportInput<'_> {
         ReportInput {
-            agent: &self.agent,
+            session: &self.session,
+            record: &self.record,
             schema: &self.truth.schema,
             std: None,
             truth: Some(&self.truth),
             evaluation: Some(&self.evaluation),
             touches: &self.touches,
-            residual: self.residual,
-            record: &self.record,
             predictions: &[],
             space: None,
-            seed: 7,
-            commands: vec![("Made by".into(), "bodyschema babble '<odd>.xml'".into())],
-            facts: vec![("Engine & co".into(), "<b>2.2</b>".into())],
-            converged: Some(true),
-            seconds: Some(4.31),
-            undetermined: &[1],
         }
+    }
+
+    /// The page of the same session that came to another end: `None` if that is not recorded.
+    fn page_of(&self, converged: Option<bool>, undetermined: &[&str]) -> String {
+        let record = LearningRecord {
+            program: converged.map_or(String::new(), |_| "bodyschema".into()),
+            converged: converged.unwrap_or_default(),
+            undetermined: undetermined.iter().map(ToString::to_string).collect(),
+            ..self.record.clone()
+        };
+        report::html(&ReportInput { record: &record, ..self.input() })
     }
 }
 
@@ -205,15 +215,16 @@ fn pairs_of_limbs_and_open_joints_are_named() {
     assert_eq!(pairs, ["left\"arm, trunk: 2 touches", "<right>, left\"arm: 1 touch"]);
     assert!(page.contains("do not determine 1 of 2 joints: ball."));
     let session = Session::new();
-    let page = |converged, undetermined| {
-        report::html(&ReportInput { converged: Some(converged), undetermined, ..session.input() })
-    };
+    let page = |converged, undetermined: &[&str]| session.page_of(Some(converged), undetermined);
     assert!(page(true, &[]).contains("No joint is undetermined"));
     assert!(
         page(true, &[]).contains("without effect on the positions of located limbs"),
         "nor do the directions that stay open"
     );
-    assert!(page(false, &[0, 1]).contains("All joints: no held-out touches confirm the schema"));
+    assert!(
+        page(false, &["left_shoulder", "ball"])
+            .contains("All joints: no held-out touches confirm the schema")
+    );
 }
 
 #[test]
@@ -221,8 +232,9 @@ fn a_page_without_truth_touches_or_curve_says_so() {
     let session = Session::new();
     let mut input = session.input();
     (input.truth, input.evaluation) = (None, None);
-    let record = LearningRecord::default();
-    (input.touches, input.record, input.undetermined) = (&[], &record, &[]);
+    let record =
+        LearningRecord { program: "bodyschema".into(), converged: true, ..LearningRecord::default() };
+    (input.touches, input.record) = (&[], &record);
     let page = report::html(&input);
     assert!(!rows(&parse(&page), "joints")[0].iter().any(|head| head.starts_with("error, ")));
     assert!(page.contains("The true body is not known"));
@@ -237,24 +249,21 @@ fn a_page_without_truth_touches_or_curve_says_so() {
 #[test]
 fn the_verdict_stands_first_in_its_colour_with_the_one_number() {
     let session = Session::new();
-    let begin = |input: &ReportInput| {
-        let page = report::html(input);
-        page.split_once("<canvas").unwrap().0.split_once("</header>").unwrap().1.to_string()
-    };
-    let input = |converged, undetermined| ReportInput { converged, undetermined, ..session.input() };
-    for (input, colour) in [
-        (input(Some(true), &[]), "good"),
-        (input(Some(true), &[1]), "partly"),
-        (input(Some(false), &[]), "bad"),
-        (input(None, &[]), ""),
+    let begin =
+        |page: String| page.split_once("<canvas").unwrap().0.split_once("</header>").unwrap().1.to_string();
+    for (converged, undetermined, colour) in [
+        (Some(true), &[][..], "good"),
+        (Some(true), &["ball"], "partly"),
+        (Some(false), &[], "bad"),
+        (None, &[], ""),
     ] {
-        let begin = begin(&input);
+        let begin = begin(session.page_of(converged, undetermined));
         let class = format!("class=\"verdict {colour}\"").replace(" \"", "\"");
         assert!(begin.contains(&class), "{class}: {begin}");
         assert!(begin.contains("<strong>0.000 mm</strong> after 3 touches in 4.3 s"), "{begin}");
     }
-    let unknown = ReportInput { evaluation: None, seconds: None, ..session.input() };
-    assert!(!begin(&unknown).contains("headline"), "no number that nobody knows");
+    let unknown = ReportInput { evaluation: None, ..session.input() };
+    assert!(!begin(report::html(&unknown)).contains("headline"), "no number that nobody knows");
 }
 
 #[test]

@@ -62,15 +62,16 @@ pub struct PolicyStart {
 /// Declares the policies, the default first: a line each, with its name and how it is made for an agent.
 macro_rules! policies {
     ($($(#[$about:meta])* $policy:ident, $name:literal => $make:expr;)+) => {
-        /// The policies by name.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-        pub enum PolicyName {
-            $($(#[$about])* $policy),+
+        named! {
+            "policy",
+            /// The policies by name.
+            #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+            #[serde(rename_all = "snake_case")]
+            #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+            pub enum PolicyName {
+                $($(#[$about])* $policy = $name),+
+            }
         }
-
-        named!(PolicyName, "policy", { $($policy => $name),+ });
 
         impl PolicyName {
             /// The policy for an agent.

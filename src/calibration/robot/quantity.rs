@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::geometry::tangent_basis;
+use crate::named::named;
 
 /// A value of a quantity, of one to three parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,17 +105,20 @@ pub enum Knowledge {
     Free,
 }
 
-/// What a quantity's numbers are measured in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Metres; millimetres for a reader.
-    Metre,
-    /// Radians; degrees for a reader.
-    Radian,
-    /// A ratio.
-    One,
-    /// Radians a newton metre.
-    Compliance,
+named! {
+    "unit",
+    /// What a quantity's numbers are measured in.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Unit {
+        /// Metres; millimetres for a reader.
+        Metre = "m",
+        /// Radians; degrees for a reader.
+        Radian = "rad",
+        /// A ratio.
+        One = "",
+        /// Radians a newton metre.
+        Compliance = "rad/(N m)",
+    }
 }
 
 impl Unit {
@@ -125,16 +129,6 @@ impl Unit {
             Unit::Radian => (180.0 / std::f64::consts::PI, "°"),
             Unit::One => (1.0, ""),
             Unit::Compliance => (180.0 / std::f64::consts::PI, "°/Nm"),
-        }
-    }
-
-    /// What the unit is called in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Unit::Metre => "m",
-            Unit::Radian => "rad",
-            Unit::One => "",
-            Unit::Compliance => "rad/(N m)",
         }
     }
 }

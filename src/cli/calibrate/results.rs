@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::calibration::Calibration;
-use crate::cli::folders::{Force, free_folder};
+use crate::cli::folders::{Force, new_folder};
 use crate::cli::{Failure, Outcome, output};
 use crate::session::{FolderLock, RobotFile};
 use crate::view::report::REPORT_FILE;
@@ -18,7 +18,7 @@ const MOST_CORRELATIONS: usize = 5;
 pub fn folder(out: &Path, force: Force, robot: &Path) -> Result<FolderLock, Failure> {
     let robot = robot.file_name().unwrap_or_default().to_string_lossy();
     let files = [&FILES[..], &[REPORT_FILE, &robot]].concat();
-    free_folder(Some(out), force, "calibration", &files, |_| out.to_path_buf())
+    new_folder(out, force, "calibration", &files)
 }
 
 /// Prints what a person wants to know.

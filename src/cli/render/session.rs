@@ -30,18 +30,18 @@ pub fn touch_range(text: &str) -> Result<[usize; 2], String> {
 pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     let _reading = ReadLock::take(&args.what)?;
     let session = Session::read(&args.what)?;
-    let place = args.what.display();
     if args.options.root.is_some() {
-        return Err(Failure(format!("{place}: a session already determines the creature: leave out --root")));
+        return Err(Failure::at(&args.what, "a session already determines the creature: leave out --root"));
     }
     let (agent, creature) = (&session.agent, session.agent.creature());
     let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
     let body = if session.model.is_empty() && args.model.is_none() {
         // A recording has no true body: the learned one is all there is to see.
         if agent.skin().surfaces.is_empty() {
-            return Err(Failure(format!(
-                "{place}: the shapes of its limbs are unknown: give a model with --model, or surfaces in the creature's skin"
-            )));
+            return Err(Failure::at(
+                &args.what,
+                "the shapes of its limbs are unknown: give a model with --model, or surfaces in the creature's skin",
+            ));
         }
         learned(&session, &read_schema()?, &args.what)?
     } else {
@@ -69,19 +69,16 @@ pub fn drawing(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
 }
 
 fn no_touch(args: &RenderArguments, number: usize, count: usize) -> Failure {
-    let log = args.what.join(TOUCHES_FILE);
-    let mend = if count == 0 { "babble first".into() } else { format!("give one from 1 to {count}") };
-    Failure(format!("{}: it has no touch {number}: {mend}", log.display()))
+    let fix = if count == 0 { "babble first".into() } else { format!("give one from 1 to {count}") };
+    Failure::at(&args.what.join(TOUCHES_FILE), format_args!("it has no touch {number}: {fix}"))
 }
 
 /// What learning went through.
 fn checkpoints(args: &RenderArguments, creature: &Creature) -> Result<Vec<Checkpoint>, Failure> {
     let record = LearningRecord::read(&args.what, creature)?;
     Some(record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
-        Failure(format!(
-            "{}: it has no checkpoints of learning: learn again with `bodyschema learn {0}`",
-            args.what.display()
-        ))
+        let again = format!("learn again with `bodyschema learn {}`", args.what.display());
+        Failure::at(&args.what, format_args!("it has no checkpoints of learning: {again}"))
     })
 }
 
@@ -92,8 +89,8 @@ fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body
     if same_tree(&body.creature, session.agent.creature()) {
         return Ok(body);
     }
-    Err(Failure(format!(
-        "{}: its learned body cannot be drawn without a model: give the creature's with --model",
-        folder.display()
-    )))
+    Err(Failure::at(
+        folder,
+        "its learned body cannot be drawn without a model: give the creature's with --model",
+    ))
 }

@@ -77,13 +77,13 @@ pub fn run(args: &FeelArguments) -> Outcome {
     let root = body.root_name().map(str::to_string);
     let options = StageOptions { joints: JointSelection::All, root, probes, ..StageOptions::default() };
     let stage = Stage::new(&args.model, &options);
-    let stage = stage.map_err(|error| Failure(format!("{}: {error}", args.model.display())))?;
+    let stage = stage.map_err(|error| Failure::at(&args.model, error))?;
     if let Some(file) = &args.map {
         let map = read_map(file, stage.agent().creature().name(), stage.skin())?;
         stage.sense(|sensor| *sensor = TouchSensor::new(map, stage.skin()));
     }
     if stage.skin().receptors.is_empty() {
-        return Err(Failure(format!("{}: this creature has no touchable surface", args.model.display())));
+        return Err(Failure::at(&args.model, "this creature has no touchable surface"));
     }
     if let Some(minutes) = args.strokes {
         return strokes(args, &stage, minutes);
@@ -92,7 +92,7 @@ pub fn run(args: &FeelArguments) -> Outcome {
     let Some(script) = script else { return at_random(args, &stage) };
     let paths = script.paths(&stage).map_err(|clause| {
         let file = args.script.as_deref().unwrap_or(&args.model);
-        Failure(format!("{}: {clause}: see `bodyschema inspect` for its receptors", file.display()))
+        Failure::at(file, format_args!("{clause}: see `bodyschema inspect` for its receptors"))
     })?;
     let end = paths.iter().map(|path| path.end()).fold(0.0, f64::max);
     for (probe, path) in paths.into_iter().enumerate() {

@@ -42,10 +42,8 @@ pub fn run(args: &MapArguments) -> Outcome {
     let creature = agent.creature();
     let log = args.session.join(FIRINGS_FILE);
     if !log.exists() {
-        return Err(Failure(format!(
-            "{}: no such file: record one with `bodyschema skin feel MODEL --strokes MINUTES --out DIR`",
-            log.display()
-        )));
+        let fix = "record one with `bodyschema skin feel MODEL --strokes MINUTES --out DIR`";
+        return Err(Failure::at(&log, format_args!("no such file: {fix}")));
     }
     let firings = read_firings(&log, creature.name(), agent.skin())?;
     drop(reading);

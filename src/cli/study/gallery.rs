@@ -5,18 +5,19 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use crate::cli::folders::{Force, free_folder};
+use crate::cli::folders::{Force, new_folder};
 use crate::cli::open::embodied;
 use crate::cli::render::model_drawing;
 use crate::cli::{Failure, Outcome, output, progress};
 use crate::evaluation::Summary;
 use crate::learning::Input;
 use crate::mujoco::Renderer;
+use crate::named::plural;
 use crate::session::ModelSource;
 use crate::study::by_default;
 use crate::view::picture::png;
 use crate::view::table::{NONE, Table};
-use crate::view::text::{error_number, plural};
+use crate::view::text::error_number;
 
 /// The page that the gallery is.
 const PAGE_FILE: &str = "gallery.md";
@@ -69,8 +70,7 @@ pub struct GalleryArguments {
 pub fn run(args: &GalleryArguments) -> Outcome {
     let last = args.seed.checked_add(u64::from(args.trials) - 1);
     let last = last.ok_or("the last trial's seed would be too large: give a smaller --seed")?;
-    let files = [PAGE_FILE, TABLE_FILE];
-    let lock = free_folder(Some(&args.out), args.force, "gallery", &files, |_| args.out.clone())?;
+    let lock = new_folder(&args.out, args.force, "gallery", &[PAGE_FILE, TABLE_FILE])?;
     let out = lock.folder();
     let bar = progress::steps(args.models.len() as u64);
     let mut table = json!({ "seed": args.seed, "trials": args.trials });

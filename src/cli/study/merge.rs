@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::{FILES, save};
 use crate::cli::babble::{Job, SessionArguments};
-use crate::cli::folders::{Force, free_folder, session_folder, written_session};
+use crate::cli::folders::{Force, new_folder, session_folder, written_session};
 use crate::cli::live::LiveOptions;
 use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{
-    BabblingSession, FolderLock, MadeShares, Observer, SESSION_FILE, STUDY_FILE, Session, ShareRecord,
-    Shares, Unready, made_shares,
+    FolderLock, MadeShares, SESSION_FILE, STUDY_FILE, Session, ShareRecord, Shares, Unready, made_shares,
 };
 use crate::share::Share;
 use crate::study::{Findings, StudyShare};
@@ -76,7 +75,7 @@ fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcom
         return Ok(());
     }
     let findings = Findings::of_shares(made)?;
-    let lock = free_folder(Some(folder), Force::default(), "study", &FILES, |_| folder.clone())?;
+    let lock = new_folder(folder, Force::default(), "study", &FILES)?;
     save(&findings, &lock, args.json)
 }
 
@@ -85,11 +84,10 @@ fn session(args: &MergeArguments, shares: &MadeShares<Session>) -> Outcome {
     let folder = &args.folder;
     let asked = SessionArguments::of_session(&shares[0].2, folder)?;
     let job = Job::new(asked, args.jobs, None, args.json, &LiveOptions::default())?;
-    let make = |session: BabblingSession, observer: &dyn Observer| session.put_together(shares, observer);
     if folder.join(SESSION_FILE).exists() {
-        return job.go_on(written_session(folder)?, make);
+        return job.go_on(written_session(folder)?, Some(shares));
     }
-    job.begin(session_folder(Some(folder), "", Force::default())?, make)
+    job.begin(session_folder(Some(folder), "", Force::default())?, Some(shares))
 }
 
 /// What is to be done before shares can be put together.
@@ -105,7 +103,7 @@ fn refusal(folder: &Path, unready: &Unready) -> Failure {
         command => format!("; the others were made as in `{command}`"),
     };
     let what = what.join("; ");
-    Failure(format!("{}: some shares are {what}: make them{first}{rest}{like}", folder.display()))
+    Failure::at(folder, format_args!("some shares are {what}: make them{first}{rest}{like}"))
 }
 
 /// Shares by their names, not all of very many.

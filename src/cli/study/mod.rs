@@ -11,16 +11,16 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::folders::{Force, free_folder, take_share};
+use super::folders::{Force, first_free, new_folder, take_share};
 use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::error::Error;
+use crate::named::plural;
 use crate::session::{FolderLock, STUDY_FILE, ShareRecord};
 use crate::share::Share;
 use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare};
 use crate::view::table::Table;
-use crate::view::text::plural;
 
 /// The measurements, in the study's folder.
 const TABLE_FILE: &str = "study.csv";
@@ -130,7 +130,6 @@ impl RunArguments {
         let share = made(Share::WHOLE);
         let lock = self.folder(&share)?;
         let trials = lock.place().join(TRIALS_FOLDER);
-        fs::create_dir_all(&trials).map_err(Error::unwritable(&trials))?;
         make(&run, &share, &trials)?;
         save(&Findings::of_shares(&[(Share::WHOLE, trials.clone(), share)])?, &lock, self.json)?;
         Ok(fs::remove_dir_all(&trials).map_err(Error::unwritable(&trials))?)
@@ -170,13 +169,9 @@ impl RunArguments {
             !folder.join(STUDY_FILE).exists() && begun.is_ok_and(|begun| begun.asked == share.asked)
         };
         let begun = || (1..).map(numbered).take_while(|folder| folder.exists()).find(is_begun);
-        let out = self.out.clone().or_else(begun);
-        let lock = match free_folder(out.as_deref(), self.force, "study", &FILES, numbered) {
-            Ok(lock) => lock,
-            Err(failure) => {
-                out.iter().for_each(|folder| sweep(folder));
-                return Err(failure);
-            }
+        let lock = match self.out.clone().or_else(begun) {
+            Some(out) => new_folder(&out, self.force, "study", &FILES)?,
+            None => first_free(numbered, &FILES)?,
         };
         let trials = lock.place().join(TRIALS_FOLDER);
         if StudyShare::is_in(&trials) && !is_begun(&lock.place().to_path_buf()) && self.force.is_given() {
@@ -197,14 +192,6 @@ impl RunArguments {
         say!("share {share}: {}, in {}", plural(count, "trial"), place.display());
         say!("once all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
         Ok(())
-    }
-}
-
-/// Removes what a process left that was killed when all was done.
-fn sweep(folder: &Path) {
-    let trials = folder.join(TRIALS_FOLDER);
-    if folder.join(STUDY_FILE).exists() && trials.exists() && FolderLock::take(folder).is_ok() {
-        let _ = fs::remove_dir_all(trials);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use crate::geometry::SurfaceSample;
+use crate::geometry::{SurfaceSample, box_about};
 
 /// Cells whose normals average to less than this face all ways and are split.
 const ONE_SIDED: f64 = 0.35;
@@ -64,8 +64,7 @@ pub fn cells(
     if count <= MOST_CELLS {
         return gathered(samples, share, area, count, edges, long_axis);
     }
-    let low = samples.iter().map(|s| s.0).reduce(|a, b| a.inf(&b)).expect("there are samples");
-    let high = samples.iter().map(|s| s.0).reduce(|a, b| a.sup(&b)).expect("there are samples");
+    let [low, high] = box_about(samples.iter().map(|sample| sample.0)).expect("there are samples");
     let axis = (high - low).imax();
     let mut sorted = samples.to_vec();
     sorted.sort_by(|a, b| a.0[axis].total_cmp(&b.0[axis]));

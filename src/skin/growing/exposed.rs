@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::creature::{Body, UNLIMITED_SLIDE};
 use crate::error::Result;
-use crate::geometry::{Frame, Shape, SurfaceSample};
+use crate::geometry::{Frame, Shape, SurfaceSample, box_about};
 use crate::mujoco::{Data, JointKind};
 use crate::skin::Surface;
 
@@ -149,12 +149,9 @@ fn carriers(body: &Body, touchable: impl Fn(usize) -> bool) -> Vec<Option<usize>
 
 /// The diagonal of the box about surfaces, metres.
 fn size<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> f64 {
-    let far = f64::INFINITY;
-    let (mut low, mut high) = (Vector3::repeat(far), Vector3::repeat(-far));
-    for surface in surfaces {
+    let corners = surfaces.flat_map(|surface| {
         let half = surface.rotation.abs() * surface.shape.half_bounds();
-        low = low.inf(&(surface.origin - half));
-        high = high.sup(&(surface.origin + half));
-    }
-    if low.x <= high.x { (high - low).norm() } else { 0.0 }
+        [surface.origin - half, surface.origin + half]
+    });
+    box_about(corners).map_or(0.0, |[low, high]| (high - low).norm())
 }

@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
 use super::subject::Knowledge;
-use super::{By, Column, Row, Studied, Study, Subject, Trial};
+use super::{Row, Studied, Study, Subject, Trial, columns};
 use crate::error::{Error, Result};
 use crate::geometry::{Capsule, Frame, Shape};
 use crate::interaction::{Actor, Conversation};
@@ -27,28 +27,12 @@ pub(super) const STUDY: Study = Study {
     touches: None,
     seconds: None,
     cases: || TASKS.map(|(name, _)| name.to_string()).into(),
-    columns: &[
-        Column::new("task", &[By::Case]),
-        Column::new("schema", &[By::Case]),
-        Column::new("seed", &[]),
-        Column::new("limb", &[]),
-        Column::new("done", &[By::Share]),
-        Column::new("first", &[By::Share]),
-        Column::new("error_mm", &[By::Median, By::Most]),
-        Column::new("felt_mm", &[By::Median]),
-        Column::new("felt_on_mm", &[By::Median]),
-        Column::new("contact_mm", &[By::Median]),
-        Column::new("forward_m", &[By::Median]),
-        Column::new("of_true_reach", &[By::Median, By::Least]),
-        Column::new("things", &[By::Sum]),
-        Column::new("found", &[By::Sum]),
-        Column::new("phantoms", &[By::Sum]),
-        Column::new("done_later", &[By::Share]),
-        Column::new("others_still", &[By::Share]),
-        Column::new("unintended", &[By::Share]),
-        Column::new("simulated_s", &[By::Median]),
-        Column::new("result", &[]),
-    ],
+    columns: columns! {
+        task: Case, schema: Case, seed, limb, done: Share, first: Share, error_mm: Median Most,
+        felt_mm: Median, felt_on_mm: Median, contact_mm: Median, forward_m: Median,
+        of_true_reach: Median Least, things: Sum, found: Sum, phantoms: Sum, done_later: Share,
+        others_still: Share, unintended: Share, simulated_s: Median, result,
+    },
     notes: &[
         "other hand: one arm finds a thing on a table, or a thing is held against it in the air. done: the other hand touches it; first: on the first attempt; error_mm: distance from the arm's contact to the nearest skin of the hand; felt_mm: from \
          where the arm, whose receptors have an extent, located the touch to where it was; felt_on_mm: the same after feeling \

@@ -16,64 +16,53 @@ use crate::geometry::Frame;
 use crate::named::named;
 use crate::session::simulated::normal;
 
-/// What a log is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Data {
-    /// Points of two hands that met.
-    SelfTouch,
-    /// Points of a hand on three plates.
-    Plate,
-    /// Targets on a hand as a tracker sees them that stands nobody knows exactly where.
-    Tracker,
-    /// Tips of a tool in sockets of which one robot in two knows where they are.
-    Place,
+named! {
+    "data",
+    /// What a log is of.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Data {
+        /// Points of two hands that met.
+        SelfTouch = "self-touch",
+        /// Points of a hand on three plates.
+        Plate = "plate",
+        /// Targets on a hand as a tracker sees them that stands nobody knows exactly where.
+        Tracker = "tracker",
+        /// Tips of a tool in sockets of which one robot in two knows where they are.
+        Place = "place",
+    }
 }
 
-named!(Data, "data", { SelfTouch => "self-touch", Plate => "plate", Tracker => "tracker", Place => "place" });
-
-/// What is wrong with a robot or its log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
-    /// Nothing but what is to be found.
-    None,
-    /// An encoder always reads the same.
-    DeadEncoder,
-    /// An encoder's gain is off by 5 to 15 %.
-    Gain,
-    /// An encoder is off by 4 to 8° that is said to be right.
-    Offset,
-    /// The table is of the other convention.
-    Convention,
-    /// An encoder counts the other way.
-    Sign,
-    /// What is on the hand slips by 8 to 15 mm in the course of the log.
-    SlippedMount,
-    /// Every row is there several times.
-    Copies,
-    /// There are three rows, or six that give one equation each.
-    FewRows,
-    /// One touch in ten is of another place.
-    Outliers,
-    /// Noise is said to be a quarter of what it is.
-    WrongStd,
-    /// A joint gives way to the weight of what it carries.
-    Compliance,
+named! {
+    "case",
+    /// What is wrong with a robot or its log.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Fault {
+        /// Nothing but what is to be found.
+        None = "none",
+        /// An encoder always reads the same.
+        DeadEncoder = "dead-encoder",
+        /// An encoder's gain is off by 5 to 15 %.
+        Gain = "gain",
+        /// An encoder is off by 4 to 8° that is said to be right.
+        Offset = "offset",
+        /// The table is of the other convention.
+        Convention = "convention",
+        /// An encoder counts the other way.
+        Sign = "sign",
+        /// What is on the hand slips by 8 to 15 mm in the course of the log.
+        SlippedMount = "slipped-mount",
+        /// Every row is there several times.
+        Copies = "copies",
+        /// There are three rows, or six that give one equation each.
+        FewRows = "few-rows",
+        /// One touch in ten is of another place.
+        Outliers = "outliers",
+        /// Noise is said to be a quarter of what it is.
+        WrongStd = "wrong-std",
+        /// A joint gives way to the weight of what it carries.
+        Compliance = "compliance",
+    }
 }
-
-named!(Fault, "case", {
-    None => "none",
-    DeadEncoder => "dead-encoder",
-    Gain => "gain",
-    Offset => "offset",
-    Convention => "convention",
-    Sign => "sign",
-    SlippedMount => "slipped-mount",
-    Copies => "copies",
-    FewRows => "few-rows",
-    Outliers => "outliers",
-    WrongStd => "wrong-std",
-    Compliance => "compliance",
-});
 
 impl Fault {
     /// Whether a log with it can be calibrated by all the same.

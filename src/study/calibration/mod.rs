@@ -4,7 +4,7 @@ pub mod made;
 
 use serde_json::json;
 
-use super::{By, Column, Row, Studied, Study, Trial};
+use super::{Row, Studied, Study, Trial, columns};
 use crate::calibration::{Estimator, EstimatorOptions, Misses, objections};
 use crate::error::Error;
 use made::{Data, Fault, Made};
@@ -16,20 +16,11 @@ pub(super) const STUDY: Study = Study {
     touches: None,
     seconds: None,
     cases: || cases().map(|(data, fault)| name(data, fault)).collect(),
-    columns: &[
-        Column::new("data", &[By::Case]),
-        Column::new("case", &[By::Part]),
-        Column::new("seed", &[]),
-        Column::new("touches", &[]),
-        Column::new("calibrated", &[By::Sum]),
-        Column::new("falsely_calibrated", &[By::Sum]),
-        Column::new("falsely_not_calibrated", &[By::Sum]),
-        Column::new("to_be_named", &[]),
-        Column::new("named", &[By::Share]),
-        Column::new("after_mm", &[By::Median]),
-        Column::new("deviations", &[By::Most]),
-        Column::new("objections", &[]),
-    ],
+    columns: columns! {
+        data: Case, case: Part, seed, touches, calibrated: Sum, falsely_calibrated: Sum,
+        falsely_not_calibrated: Sum, to_be_named, named: Share, after_mm: Median, deviations: Most,
+        objections,
+    },
     notes: &[
         "Calibrated is the right verdict without a fault, with duplicated rows, and with one touch in ten replaced; with \
               any other fault it is wrong. named: whether an objection names the faulty joint, mount or convention. after_mm: the \

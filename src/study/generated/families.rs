@@ -8,37 +8,29 @@ use super::joints::Joining;
 use super::tree::{Mount, Tree};
 use crate::named::named;
 
-/// A family of bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Family {
-    /// Limbs one after the other.
-    Chain,
-    /// Many short limbs one after the other, each bending in another plane.
-    Snake,
-    /// Arms all alike about a ball.
-    Star,
-    /// A trunk with a chest, a head, two arms and two legs.
-    Humanoid,
-    /// A trunk on four, six or eight legs.
-    Walker,
-    /// Robot arms on a base, with hands.
-    Arms,
-    /// One hand.
-    Hand,
-    /// Limbs anywhere on limbs that are there.
-    Tree,
+named! {
+    "family",
+    /// A family of bodies.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Family {
+        /// Limbs one after the other.
+        Chain = "chain",
+        /// Many short limbs one after the other, each bending in another plane.
+        Snake = "snake",
+        /// Arms all alike about a ball.
+        Star = "star",
+        /// A trunk with a chest, a head, two arms and two legs.
+        Humanoid = "humanoid",
+        /// A trunk on four, six or eight legs.
+        Walker = "walker",
+        /// Robot arms on a base, with hands.
+        Arms = "arms",
+        /// One hand.
+        Hand = "hand",
+        /// Limbs anywhere on limbs that are there.
+        Tree = "tree",
+    }
 }
-
-named!(Family, "family", {
-    Chain => "chain",
-    Snake => "snake",
-    Star => "star",
-    Humanoid => "humanoid",
-    Walker => "walker",
-    Arms => "arms",
-    Hand => "hand",
-    Tree => "tree",
-});
 
 impl Family {
     /// Draws a body of it, of limbs about so long, metres.
@@ -65,25 +57,15 @@ fn trunk(mut draw: Draw, scale: f64, half_between: [(f64, f64); 3]) -> Tree {
     Tree::new(draw, scale, half)
 }
 
-/// Limbs in a row from somewhere on a limb on; the last one's number.
-fn row(
-    tree: &mut Tree,
-    name: &str,
-    from: usize,
-    at: Vector3<f64>,
-    towards: Vector3<f64>,
-    spread: f64,
-    shares: &[f64],
-) -> usize {
-    let (mut parent, mut at, mut towards) = (from, at, towards);
+/// Limbs in a row, with lengths about some shares of the typical one; the last one's number.
+fn row(tree: &mut Tree, name: &str, mut mount: Mount, shares: &[f64]) -> usize {
     for (k, &share) in shares.iter().enumerate() {
         let length = tree.length(share);
         let radius = tree.radius(length);
-        parent =
-            tree.limb(format!("{name}_{}", k + 1), Mount { parent, at, towards, spread, length, radius });
-        (at, towards) = (tree.end_of(parent), Vector3::z());
+        let limb = tree.limb(format!("{name}_{}", k + 1), mount.sized(length, radius));
+        mount = Mount::on(limb, tree.end_of(limb), Vector3::z(), mount.spread);
     }
-    parent
+    mount.parent
 }
 
 fn top(tree: &Tree) -> Vector3<f64> {
@@ -93,7 +75,7 @@ fn top(tree: &Tree) -> Vector3<f64> {
 fn chain(mut tree: Tree) -> Tree {
     let shares = vec![1.0; tree.draw.count(3, 9)];
     let (at, spread) = (top(&tree), tree.draw.between(0.0, 0.7));
-    row(&mut tree, "link", 0, at, Vector3::z(), spread, &shares);
+    row(&mut tree, "link", Mount::on(0, at, Vector3::z(), spread), &shares);
     tree
 }
 
@@ -102,7 +84,7 @@ fn snake(mut tree: Tree) -> Tree {
     tree.thickness = tree.draw.between(0.2, 0.35);
     let shares = vec![1.0; tree.draw.count(8, 16)];
     let (at, spread) = (top(&tree), tree.draw.between(0.0, 0.2));
-    row(&mut tree, "segment", 0, at, Vector3::z(), spread, &shares);
+    row(&mut tree, "segment", Mount::on(0, at, Vector3::z(), spread), &shares);
     tree
 }
 
@@ -127,7 +109,7 @@ fn star(mut tree: Tree) -> Tree {
         }
         directions.push(best.1);
         let at = Tree::on_trunk(half, &best.1);
-        row(&mut tree, &format!("arm_{}", arm + 1), 0, at, best.1, 0.15, &vec![1.0; segments]);
+        row(&mut tree, &format!("arm_{}", arm + 1), Mount::on(0, at, best.1, 0.15), &vec![1.0; segments]);
     }
     tree
 }
@@ -136,42 +118,26 @@ fn humanoid(mut tree: Tree) -> Tree {
     let half = tree.trunk_half();
     let length = tree.length(0.9);
     let chest_radius = 0.4 * length;
-    let mount = Mount {
-        parent: 0,
-        at: Tree::on_trunk(half, &Vector3::z()),
-        towards: Vector3::z(),
-        spread: 0.05,
-        length,
-        radius: chest_radius,
-    };
+    let mount = Mount::on(0, top(&tree), Vector3::z(), 0.05).sized(length, chest_radius);
     let joining =
         tree.draw.weighted(&[(Joining::Hinge, 0.3), (Joining::TwoHinges, 0.3), (Joining::ThreeHinges, 0.4)]);
     let chest = tree.joined_limb("chest".into(), mount, joining);
     let at = tree.end_of(chest) * 1.05;
     let length = tree.length(0.5);
-    let mount =
-        Mount { parent: chest, at, towards: Vector3::z(), spread: 0.1, length, radius: 0.35 * length };
-    tree.limb("head".into(), mount);
+    tree.limb("head".into(), Mount::on(chest, at, Vector3::z(), 0.1).sized(length, 0.35 * length));
     let hands = tree.draw.chance(0.5);
     let [shoulder, hip] = [0.85, 0.6].map(|share| share * tree.limbs[chest].length);
     // The chest may be turned about itself in its frame: arms go to both sides of it, whichever these are.
     for (side, sign) in [("left", 1.0), ("right", -1.0)] {
         let at = Vector3::new(sign * (chest_radius * 1.25), 0.0, shoulder);
-        let lower = row(
-            &mut tree,
-            &format!("{side}_arm"),
-            chest,
-            at,
-            Vector3::new(sign, 0.0, -0.7),
-            0.15,
-            &[1.0, 0.9],
-        );
+        let mount = Mount::on(chest, at, Vector3::new(sign, 0.0, -0.7), 0.15);
+        let lower = row(&mut tree, &format!("{side}_arm"), mount, &[1.0, 0.9]);
         hand_on(&mut tree, lower, side, hands);
     }
     for (side, sign) in [("left", 1.0), ("right", -1.0)] {
         let at = Vector3::new(sign * half.x.max(hip * 0.3) * 0.7, 0.0, -1.15 * half.z);
         let towards = Vector3::new(0.2 * sign, 0.0, -1.0);
-        row(&mut tree, &format!("{side}_leg"), 0, at, towards, 0.1, &[1.2, 1.1, 0.5]);
+        row(&mut tree, &format!("{side}_leg"), Mount::on(0, at, towards, 0.1), &[1.2, 1.1, 0.5]);
     }
     tree
 }
@@ -179,7 +145,7 @@ fn humanoid(mut tree: Tree) -> Tree {
 /// A palm at the end of a limb, with fingers where it has such.
 fn hand_on(tree: &mut Tree, limb: usize, side: &str, with_fingers: bool) {
     let (at, length) = (tree.end_of(limb) * 1.03, tree.length(0.4));
-    let mount = Mount { parent: limb, at, towards: Vector3::z(), spread: 0.0, length, radius: 0.0 };
+    let mount = Mount::on(limb, at, Vector3::z(), 0.0).sized(length, 0.0);
     let joining = tree.style.joining(&mut tree.draw);
     let (palm, size) = palm(tree, format!("{side}_hand"), mount, joining);
     if with_fingers {
@@ -198,7 +164,7 @@ fn walker(mut tree: Tree) -> Tree {
             let at = Vector3::new(sign * 1.15 * half.x, y, 0.0);
             let towards = Vector3::new(sign, 0.6 * y / half.y, rise);
             let shares = &[0.5, 1.0, 1.2][3 - segments..];
-            row(&mut tree, &format!("{side}_leg_{}", pair + 1), 0, at, towards, 0.12, shares);
+            row(&mut tree, &format!("{side}_leg_{}", pair + 1), Mount::on(0, at, towards, 0.12), shares);
         }
     }
     tree
@@ -214,7 +180,7 @@ fn arms(mut tree: Tree) -> Tree {
         let towards = Vector3::new(0.7 * x / half.x, 0.0, 1.0);
         let side = format!("arm_{}", arm + 1);
         let shares: Vec<f64> = (0..joints).map(|k| [0.5, 1.2, 1.0, 0.8, 0.5, 0.4][k]).collect();
-        let last = row(&mut tree, &side, 0, at, towards, 0.2, &shares);
+        let last = row(&mut tree, &side, Mount::on(0, at, towards, 0.2), &shares);
         if hands {
             hand_on(&mut tree, last, &side, true);
         }
@@ -224,7 +190,7 @@ fn arms(mut tree: Tree) -> Tree {
 
 fn hand(mut tree: Tree) -> Tree {
     let length = tree.length(1.0);
-    let mount = Mount { parent: 0, at: top(&tree), towards: Vector3::z(), spread: 0.0, length, radius: 0.0 };
+    let mount = Mount::on(0, top(&tree), Vector3::z(), 0.0).sized(length, 0.0);
     let joining =
         tree.draw.weighted(&[(Joining::TwoHinges, 0.6), (Joining::Hinge, 0.2), (Joining::ThreeHinges, 0.2)]);
     let (palm, size) = palm(&mut tree, "palm".into(), mount, joining);
@@ -251,10 +217,8 @@ fn random_tree(mut tree: Tree) -> Tree {
         let share = tree.draw.log_between(0.5, 1.6);
         let length = tree.length(share);
         let radius = tree.radius(length);
-        tree.limb(
-            format!("limb_{limb}"),
-            Mount { parent, at, towards: towards.normalize(), spread: 0.3, length, radius },
-        );
+        let mount = Mount::on(parent, at, towards.normalize(), 0.3).sized(length, radius);
+        tree.limb(format!("limb_{limb}"), mount);
     }
     tree
 }

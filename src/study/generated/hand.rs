@@ -22,31 +22,18 @@ pub fn fingers(tree: &mut Tree, palm: usize, side: &str, [width, thickness]: [f6
     let bend = if tree.draw.chance(0.5) { 1.0 } else { -1.0 };
     for finger in 0..count {
         let x = width * ((finger as f64 + 0.5) / count as f64 - 0.5);
-        let shape = Finger {
-            at: Vector3::new(x, 0.0, 1.03 * length),
-            towards: Vector3::new(0.3 * x / width, 0.0, 1.0),
-            length: length * stretch,
-            radius: (0.4 * width / count as f64).min(thickness * 0.5),
-            bones,
-            coupled,
-            bend,
-            spreads: finger == 0,
-        };
-        one(tree, palm, &format!("{side}finger_{}", finger + 1), &shape);
+        let (at, towards) = (Vector3::new(x, 0.0, 1.03 * length), Vector3::new(0.3 * x / width, 0.0, 1.0));
+        let radius = (0.4 * width / count as f64).min(thickness * 0.5);
+        let mount = Mount::on(palm, at, towards, 0.0).sized(length * stretch, radius);
+        let shape = Finger { bones, coupled, bend, spreads: finger == 0 };
+        one(tree, &format!("{side}finger_{}", finger + 1), mount, &shape);
     }
     if tree.draw.chance(0.7) {
         let side_of = if tree.draw.chance(0.5) { 1.0 } else { -1.0 };
-        let thumb = Finger {
-            at: Vector3::new(side_of * 0.58 * width, 0.0, 0.45 * length),
-            towards: Vector3::new(side_of, 0.4 * bend, 0.6),
-            length: 0.9 * length * stretch,
-            radius: (0.12 * width).max(0.3 * thickness),
-            bones: 2,
-            coupled: false,
-            bend,
-            spreads: true,
-        };
-        one(tree, palm, &format!("{side}thumb"), &thumb);
+        let at = Vector3::new(side_of * 0.58 * width, 0.0, 0.45 * length);
+        let mount = Mount::on(palm, at, Vector3::new(side_of, 0.4 * bend, 0.6), 0.0);
+        let mount = mount.sized(0.9 * length * stretch, (0.12 * width).max(0.3 * thickness));
+        one(tree, &format!("{side}thumb"), mount, &Finger { bones: 2, coupled: false, bend, spreads: true });
     }
 }
 
@@ -63,12 +50,8 @@ pub fn palm(tree: &mut Tree, name: String, mount: Mount, joining: Joining) -> (u
 
 /// How a finger is.
 struct Finger {
-    /// Where it begins, and where it points, in the palm's frame.
-    at: Vector3<f64>,
-    towards: Vector3<f64>,
-    length: f64,
-    radius: f64,
     bones: usize,
+    /// Whether its last bone follows the one before it.
     coupled: bool,
     /// To which side it bends.
     bend: f64,
@@ -76,12 +59,13 @@ struct Finger {
     spreads: bool,
 }
 
-fn one(tree: &mut Tree, palm: usize, name: &str, finger: &Finger) {
-    let (mut parent, mut at) = (palm, finger.at);
+/// Adds a finger: where it is mounted, how long and how thick it is in all.
+fn one(tree: &mut Tree, name: &str, mut mount: Mount, finger: &Finger) {
+    let whole = mount;
     for bone in 0..finger.bones {
-        let length = finger.length * BONES[bone] * tree.draw.between(0.9, 1.1);
-        let radius = finger.radius * [1.0, 0.9, 0.8][bone];
-        let turned = if bone == 0 { tipped(&finger.towards) } else { UnitQuaternion::identity() };
+        let length = whole.length * BONES[bone] * tree.draw.between(0.9, 1.1);
+        let radius = whole.radius * [1.0, 0.9, 0.8][bone];
+        let turned = if bone == 0 { tipped(&whole.towards) } else { UnitQuaternion::identity() };
         let shapes = limb_shapes(&mut tree.draw, [0.12 * length, length], radius);
         let mut freedoms = Vec::new();
         if bone == 0 && finger.spreads {
@@ -102,9 +86,9 @@ fn one(tree: &mut Tree, palm: usize, name: &str, finger: &Finger) {
             freedoms[0].follows = Some(tree.draw.between(0.5, 1.0));
         }
         let joining = if freedoms.len() > 1 { Joining::TwoHinges } else { Joining::Hinge };
-        let mount = Mount { parent, at, towards: finger.towards, spread: 0.0, length, radius };
-        parent = tree.push(format!("{name}_{}", bone + 1), &mount, turned, shapes, joining, freedoms);
-        at = Vector3::z() * (1.06 * length);
+        mount = mount.sized(length, radius);
+        let limb = tree.push(format!("{name}_{}", bone + 1), &mount, turned, shapes, joining, freedoms);
+        mount = Mount::on(limb, Vector3::z() * (1.06 * length), whole.towards, 0.0);
     }
 }
 

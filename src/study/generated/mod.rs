@@ -120,21 +120,17 @@ impl DrawnBody {
 
     /// It in words.
     pub fn in_words(&self) -> String {
-        let counted = |count: usize, one: &str, many: &str| match count {
-            0 => None,
-            1 => Some(format!("1 {one}")),
-            many_of => Some(format!("{many_of} {many}")),
-        };
         let parts = [
-            counted(self.hinges, "hinge", "hinges"),
-            counted(self.slides, "slide", "slides"),
-            counted(self.balls, "ball", "balls"),
-            counted(self.locked, "of the hinges as good as locked", "of the hinges as good as locked"),
-            counted(self.spins, "along its limb", "along their limbs"),
-            counted(self.followers, "that follows another", "that follow others"),
-            counted(self.welded, "limb welded", "limbs welded"),
+            (self.hinges, "hinge", "hinges"),
+            (self.slides, "slide", "slides"),
+            (self.balls, "ball", "balls"),
+            (self.locked, "of the hinges as good as locked", "of the hinges as good as locked"),
+            (self.spins, "along its limb", "along their limbs"),
+            (self.followers, "that follows another", "that follow others"),
+            (self.welded, "limb welded", "limbs welded"),
         ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        let counted = |(count, one, many)| format!("{count} {}", if count == 1 { one } else { many });
+        let parts: Vec<String> = parts.into_iter().filter(|(count, ..)| *count > 0).map(counted).collect();
         format!(
             "{}: {} limbs of about {:.3} m, {} degrees of freedom: {}",
             self.family,

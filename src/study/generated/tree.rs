@@ -32,6 +32,7 @@ pub struct Limb {
 }
 
 /// Where the next limb goes, and how it is.
+#[derive(Clone, Copy)]
 pub struct Mount {
     /// The limb that carries it.
     pub parent: usize,
@@ -45,6 +46,18 @@ pub struct Mount {
     pub length: f64,
     /// How thick it is, metres.
     pub radius: f64,
+}
+
+impl Mount {
+    /// A place on a limb, for limbs of no size yet.
+    pub fn on(parent: usize, at: Vector3<f64>, towards: Vector3<f64>, spread: f64) -> Mount {
+        Mount { parent, at, towards, spread, length: 0.0, radius: 0.0 }
+    }
+
+    /// The same for a limb of a size, metres.
+    pub fn sized(self, length: f64, radius: f64) -> Mount {
+        Mount { length, radius, ..self }
+    }
 }
 
 /// A body that grows.

@@ -7,17 +7,13 @@ use nalgebra::Vector3;
 use crate::creature::{Appearance, VisiblePart};
 use crate::skin::{Receptor, Skin, Surface};
 
-/// Angles of latitude at which a round shape is cut, radians. The equator is cut on both sides: a capsule is
-/// straight between the two.
-const LATITUDES: [f64; 6] = [-1.05, -0.5, -0.0, 0.0, 0.5, 1.05];
-/// Corners of each cut.
-const AROUND: usize = 14;
-/// The same of a mesh, whose corners are anywhere.
-const MANY_LATITUDES: [f64; 11] = [-1.3, -1.0, -0.7, -0.42, -0.18, 0.0, 0.18, 0.42, 0.7, 1.0, 1.3];
-const MANY_AROUND: usize = 24;
-/// The same of one of very many round shapes, each of which is a few pixels wide.
-const FEW_LATITUDES: [f64; 2] = [-0.0, 0.0];
-const FEW_AROUND: usize = 8;
+/// A round shape. The equator is cut on both sides: a capsule is straight between the two.
+const GLOBE: Topology = Topology::Globe(&[-1.05, -0.5, -0.0, 0.0, 0.5, 1.05], 14);
+/// The outline of a mesh, whose corners are anywhere.
+const OUTLINE: Topology =
+    Topology::Globe(&[-1.3, -1.0, -0.7, -0.42, -0.18, 0.0, 0.18, 0.42, 0.7, 1.0, 1.3], 24);
+/// One of very many round shapes, each of which is a few pixels wide.
+const BEAD: Topology = Topology::Globe(&[-0.0, 0.0], 8);
 /// Bodies of more surfaces than this are drawn by those.
 const MANY_SURFACES: usize = 300;
 /// Receptors of more than these are drawn flat.
@@ -26,46 +22,29 @@ const MANY_RECEPTORS: usize = 3000;
 const LIFT: f64 = 0.0025;
 /// How much of a receptor is drawn along each side: neighbours would run into each other otherwise.
 const DRAWN: f64 = 0.86;
-/// Corners along each side of a receptor.
+/// Corners along each side of a receptor, and of one of very many.
 const ALONG: usize = 5;
+const FEW_ALONG: usize = 2;
 
 /// How the corners of a piece are joined by triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Topology {
-    /// A round shape, whose neighbouring triangles share their light.
-    Globe,
+    /// A round shape, whose neighbouring triangles share their light: the angles of latitude at which it is cut, radians, and the
+    /// corners of each cut.
+    Globe(&'static [f64], usize),
     /// Six flat sides.
     Cuboid,
-    /// A patch of skin, seen from its front alone.
-    Patch,
-    /// One of very many round shapes.
-    Bead,
-    /// One of very many patches.
-    Scale,
-    /// The outline of a mesh.
-    Outline,
+    /// A patch of skin, seen from its front alone, with so many corners along each side.
+    Patch(usize),
 }
 
 impl Topology {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Topology; 6] = [
-        Topology::Globe,
-        Topology::Cuboid,
-        Topology::Patch,
-        Topology::Bead,
-        Topology::Scale,
-        Topology::Outline,
-    ];
-
     /// Directions to the corners of a convex piece, and triangles of three corners each, counterclockwise as seen from outside.
     fn shape(self) -> (Vec<Vector3<f64>>, Vec<[usize; 3]>) {
         match self {
-            Topology::Globe => globe(&LATITUDES, AROUND),
+            Topology::Globe(latitudes, around) => globe(latitudes, around),
             Topology::Cuboid => cuboid(),
-            Topology::Patch => (Vec::new(), patch(ALONG)),
-            Topology::Bead => globe(&FEW_LATITUDES, FEW_AROUND),
-            Topology::Scale => (Vec::new(), patch(2)),
-            Topology::Outline => globe(&MANY_LATITUDES, MANY_AROUND),
+            Topology::Patch(along) => (Vec::new(), patch(along)),
         }
     }
 
@@ -87,65 +66,53 @@ pub struct Piece {
 }
 
 /// The triangles of a body on its limbs, in whatever posture these are.
-#[derive(Clone, Debug, Default)]
-pub struct BodyMesh {
-    /// The pieces.
-    pub pieces: Vec<Piece>,
+pub type BodyMesh = Vec<Piece>;
+
+/// The surfaces of a skin.
+pub fn mesh_of_surfaces(skin: &Skin) -> BodyMesh {
+    let round = if skin.surfaces.len() > MANY_SURFACES { BEAD } else { GLOBE };
+    let piece = |surface: &Surface| {
+        let topology = if surface.shape.is_box() { Topology::Cuboid } else { round };
+        convex_piece(surface.limb, topology, |direction| {
+            Some(surface.rotation * surface.shape.support(direction)? + surface.origin)
+        })
+    };
+    skin.surfaces.iter().filter_map(piece).collect()
 }
 
-impl BodyMesh {
-    /// The surfaces of a skin.
-    pub fn of_surfaces(skin: &Skin) -> BodyMesh {
-        let round = if skin.surfaces.len() > MANY_SURFACES { Topology::Bead } else { Topology::Globe };
-        let piece = |surface: &Surface| {
-            let topology = if surface.shape.is_box() { Topology::Cuboid } else { round };
-            convex_piece(surface.limb, topology, |direction| {
-                Some(surface.rotation * surface.shape.support(direction)? + surface.origin)
-            })
+/// What is to be seen of a body, a piece each.
+pub fn mesh_of_appearance(appearance: &Appearance) -> BodyMesh {
+    let many = appearance.parts.len() > MANY_SURFACES;
+    let piece = |part: &VisiblePart| {
+        let topology = match &part.outline {
+            outline if outline.is_box() => Topology::Cuboid,
+            _ if many => BEAD,
+            outline if outline.is_shape() => GLOBE,
+            _ => OUTLINE,
         };
-        BodyMesh { pieces: skin.surfaces.iter().filter_map(piece).collect() }
-    }
+        convex_piece(part.limb, topology, |direction| Some(part.support(direction)))
+    };
+    appearance.parts.iter().filter_map(piece).collect()
+}
 
-    /// What is to be seen of a body, a piece each.
-    pub fn of_appearance(appearance: &Appearance) -> BodyMesh {
-        let many = appearance.parts.len() > MANY_SURFACES;
-        let piece = |part: &VisiblePart| {
-            let topology = match &part.outline {
-                outline if outline.is_box() => Topology::Cuboid,
-                _ if many => Topology::Bead,
-                outline if outline.is_shape() => Topology::Globe,
-                _ => Topology::Outline,
-            };
-            convex_piece(part.limb, topology, |direction| Some(part.support(direction)))
+/// The patches of receptors, a piece each. What is flat for the sense of touch is drawn as it lies on the limb.
+pub fn mesh_of_receptors(skin: &Skin) -> BodyMesh {
+    let mut surfaces: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
+    skin.surfaces.iter().for_each(|surface| surfaces.entry(surface.limb).or_default().push(surface));
+    let along = if skin.receptors.len() > MANY_RECEPTORS { FEW_ALONG } else { ALONG };
+    let piece = |receptor: &Receptor| {
+        let [u, v] = receptor.half_extents.map(|half| DRAWN * half);
+        let surfaces = surfaces.get(&receptor.limb).map_or(&[][..], Vec::as_slice);
+        let at = |k: usize| 2.0 * k as f64 / (along - 1) as f64 - 1.0;
+        let corner = |k: usize| {
+            let (a, b) = (at(k % along), at(k / along));
+            let flat = receptor.position + receptor.tangent * (a * u) + receptor.bitangent() * (b * v);
+            on_the_limb(flat, &receptor.normal, surfaces)
         };
-        BodyMesh { pieces: appearance.parts.iter().filter_map(piece).collect() }
-    }
-
-    /// The patches of receptors, a piece each. What is flat for the sense of touch is drawn as it lies on the limb.
-    pub fn of_receptors(skin: &Skin) -> BodyMesh {
-        let mut surfaces: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
-        skin.surfaces.iter().for_each(|surface| surfaces.entry(surface.limb).or_default().push(surface));
-        let many = skin.receptors.len() > MANY_RECEPTORS;
-        let (topology, along) = if many { (Topology::Scale, 2) } else { (Topology::Patch, ALONG) };
-        let piece = |receptor: &Receptor| {
-            let [u, v] = receptor.half_extents.map(|half| DRAWN * half);
-            let surfaces = surfaces.get(&receptor.limb).map_or(&[][..], Vec::as_slice);
-            let at = |k: usize| 2.0 * k as f64 / (along - 1) as f64 - 1.0;
-            let corner = |k: usize| {
-                let (a, b) = (at(k % along), at(k / along));
-                let flat = receptor.position + receptor.tangent * (a * u) + receptor.bitangent() * (b * v);
-                on_the_limb(flat, &receptor.normal, surfaces)
-            };
-            let corners = (0..along * along).map(corner).collect();
-            Piece { limb: receptor.limb, topology, corners }
-        };
-        BodyMesh { pieces: skin.receptors.iter().map(piece).collect() }
-    }
-
-    /// Every corner, with the limb it is on.
-    pub fn corners(&self) -> impl Iterator<Item = (usize, &Vector3<f64>)> {
-        self.pieces.iter().flat_map(|piece| piece.corners.iter().map(|corner| (piece.limb, corner)))
-    }
+        let corners = (0..along * along).map(corner).collect();
+        Piece { limb: receptor.limb, topology: Topology::Patch(along), corners }
+    };
+    skin.receptors.iter().map(piece).collect()
 }
 
 /// A convex piece, by its farthest point in each direction; `None` of a mesh without a hull.
@@ -219,13 +186,13 @@ mod tests {
     use crate::geometry::Shape;
 
     /// The volume that triangles close, positive where they go round counterclockwise as seen from outside.
-    fn volume(mesh: &BodyMesh) -> f64 {
+    fn volume(mesh: &[Piece]) -> f64 {
         let of = |piece: &Piece| -> f64 {
             let corner = |k: usize| piece.corners[k];
             let triangles = piece.topology.triangles();
             triangles.iter().map(|&[a, b, c]| corner(a).cross(&corner(b)).dot(&corner(c)) / 6.0).sum()
         };
-        mesh.pieces.iter().map(of).sum()
+        mesh.iter().map(of).sum()
     }
 
     #[test]
@@ -247,14 +214,14 @@ mod tests {
                 geom: 0,
             };
             let many = vec![surface.clone(); MANY_SURFACES + 1];
-            let mesh = BodyMesh::of_surfaces(&Skin { receptors: Vec::new(), surfaces: vec![surface] });
+            let mesh = mesh_of_surfaces(&Skin { receptors: Vec::new(), surfaces: vec![surface] });
             let share = volume(&mesh) / exact;
             assert!((0.85..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
             // Each of very many is drawn by fewer corners, and closed, too.
-            let coarse = BodyMesh::of_surfaces(&Skin { receptors: Vec::new(), surfaces: many });
-            let share = volume(&coarse) / exact / coarse.pieces.len() as f64;
+            let coarse = mesh_of_surfaces(&Skin { receptors: Vec::new(), surfaces: many });
+            let share = volume(&coarse) / exact / coarse.len() as f64;
             assert!((0.4..1.0 + 1e-9).contains(&share), "{shape:?}: {share}");
-            assert!(coarse.pieces[0].corners.len() <= 18);
+            assert!(coarse[0].corners.len() <= 18);
         }
     }
 }

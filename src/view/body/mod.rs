@@ -15,14 +15,15 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-pub(super) use mesh::BodyMesh;
-use mesh::Topology;
+pub(super) use mesh::{BodyMesh, mesh_of_surfaces};
+use mesh::{Piece, Topology, mesh_of_appearance, mesh_of_receptors};
 pub(super) use pose::Pose;
 pub(super) use senses::{AURAS, MAP};
 
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature};
+use crate::geometry::box_about;
 use crate::learning::Account;
 use crate::named::in_words;
 use crate::schema::BodySchema;
@@ -143,28 +144,12 @@ fn skeleton(agent: &Agent, name: &str, poses: &str, look: Look, open: &[usize]) 
     })
 }
 
-/// Where a body is on the way from not being known to being known.
-#[derive(Clone, Debug)]
-pub(super) struct Step {
-    /// What it is called: after how many touches.
-    pub name: String,
-    /// How many these are.
-    pub touches: usize,
-    /// How far off it is then, millimetres; `None` if that is not known.
-    pub millimetres: Option<f64>,
-    /// The name of its poses.
-    pub poses: &'static str,
-    /// Where its limbs are then.
-    pub pose: Pose,
-}
-
-/// What stands beside a picture, not below it.
-#[derive(Clone, Debug)]
-pub(super) struct Beside {
-    /// HTML above all that belongs to the picture.
-    pub above: String,
-    /// The picture's width as a share of its height.
-    pub aspect: f64,
+/// A step of a slider: the learned body after so many touches, what that is called, and how far off it is then, millimetres.
+pub(super) fn step(name: &str, touches: usize, millimetres: Option<f64>, pose: &Pose) -> Value {
+    // As many digits as anybody reads of it.
+    let off = millimetres.filter(|off| off.is_finite()).map(|off| format!("{off:.3e}"));
+    let off = off.and_then(|off| off.parse::<f64>().ok());
+    json!({ "name": name, "touches": touches, "mm": off, "poses": { "learned": pose.told() } })
 }
 
 /// What a viewer draws.
@@ -184,10 +169,11 @@ pub(super) struct BodyScene {
     pub values: Vec<f64>,
     /// What names of limbs in the page stand for.
     pub limbs: BTreeMap<String, Vec<usize>>,
-    /// What a slider goes through.
-    pub steps: Vec<Step>,
-    /// What stands beside the picture, where it is as high as it is wide times this: HTML above its switches.
-    pub beside: Option<Beside>,
+    /// What a slider goes through, from a body that is not known to one that is; see [`step`].
+    pub steps: Vec<Value>,
+    /// HTML that stands beside the picture, above its switches, and the picture's width by its height; `None` if all stands
+    /// below the picture.
+    pub beside: Option<(String, f64)>,
     /// Two corners of the box that is to be seen, metres.
     pub room: [Vector3<f64>; 2],
     /// What is hidden at first, by the names of layers and skeletons.
@@ -238,10 +224,10 @@ impl BodyScene {
     /// Adds a body at some poses: as it looks where that is known, else the surfaces of its skin.
     pub fn add(&mut self, name: &str, poses: &'static str, skin: &Skin, appearance: Option<&Appearance>) {
         let Some(looks) = appearance.filter(|appearance| !appearance.parts.is_empty()) else {
-            self.add_mesh(name, poses, BodyMesh::of_surfaces(skin), LIMB);
+            self.add_mesh(name, poses, mesh_of_surfaces(skin), LIMB);
             return;
         };
-        let layer = self.add_mesh(name, poses, BodyMesh::of_appearance(looks), LIMB);
+        let layer = self.add_mesh(name, poses, mesh_of_appearance(looks), LIMB);
         for part in &looks.parts {
             let colour = part.rgb.map_or(LIMB.to_string(), |rgb| {
                 let [red, green, blue] = rgb.map(|share| (255.0 * share.clamp(0.0, 1.0)).round() as u8);
@@ -255,12 +241,12 @@ impl BodyScene {
 
     /// Says of each limb what there is to say, where it is pointed at.
     pub fn tell_of_limbs(&mut self, words: impl Fn(usize) -> String) {
-        self.layers[0].labels = self.meshes[0].pieces.iter().map(|piece| words(piece.limb)).collect();
+        self.layers[0].labels = self.meshes[0].iter().map(|piece| words(piece.limb)).collect();
     }
 
     /// Adds the receptors of a skin, each with what it is called.
     fn add_receptors(&mut self, skin: &Skin, poses: &'static str, labels: Vec<String>) {
-        let layer = self.add_mesh("receptors", poses, BodyMesh::of_receptors(skin), LIMB);
+        let layer = self.add_mesh("receptors", poses, mesh_of_receptors(skin), LIMB);
         (layer.look, layer.colour, layer.labels) = (Look::Receptors, None, labels);
     }
 
@@ -289,54 +275,46 @@ impl BodyScene {
     pub fn room_of<'a>(
         meshes: impl IntoIterator<Item = (&'a BodyMesh, &'a Pose)>,
     ) -> Option<[Vector3<f64>; 2]> {
-        let mut room = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
-        for (mesh, pose) in meshes {
-            let corners = mesh.corners().filter_map(|(limb, p_l)| Some(pose.frames.get(limb)?.point(p_l)));
-            for place in
-                corners.chain(pose.begins.iter().copied()).filter(|p| p.iter().all(|x| x.is_finite()))
-            {
-                room = [room[0].inf(&place), room[1].sup(&place)];
-            }
-        }
+        let places = meshes.into_iter().flat_map(|(mesh, pose)| {
+            let corners = mesh.iter().flat_map(|piece| {
+                let frame = pose.frames.get(piece.limb);
+                piece.corners.iter().filter_map(move |corner| Some(frame?.point(corner)))
+            });
+            corners.chain(pose.begins.iter().copied())
+        });
+        let room = box_about(places.filter(|place| place.iter().all(|x| x.is_finite())))?;
         (room[1] - room[0]).iter().any(|side| *side > 0.0).then_some(room)
     }
 
     /// What the viewer reads.
     fn told(&self) -> String {
-        let mesh = |mesh: &BodyMesh| -> Vec<Vec<i64>> {
-            let piece = |piece: &mesh::Piece| {
-                let corners = piece.corners.iter().flat_map(point);
-                [piece.topology as i64, piece.limb as i64].into_iter().chain(corners).collect()
-            };
-            mesh.pieces.iter().map(piece).collect()
+        // Those that are there, in the order in which they come first.
+        let mut topologies: Vec<Topology> = Vec::new();
+        let mut piece = |piece: &Piece| -> Vec<i64> {
+            let known = topologies.iter().position(|topology| *topology == piece.topology);
+            let number = known.unwrap_or(topologies.len());
+            topologies.extend(known.is_none().then_some(piece.topology));
+            let corners = piece.corners.iter().flat_map(point);
+            [number as i64, piece.limb as i64].into_iter().chain(corners).collect()
         };
-        let topology = |topology: Topology| {
+        let meshes: Vec<Vec<_>> =
+            self.meshes.iter().map(|mesh| mesh.iter().map(&mut piece).collect()).collect();
+        let topology = |topology: &Topology| {
             let triangles: Vec<usize> = topology.triangles().into_iter().flatten().collect();
-            json!({ "round": topology != Topology::Cuboid, "triangles": triangles })
+            json!({ "round": *topology != Topology::Cuboid, "triangles": triangles })
         };
         let poses: Map<String, Value> =
             self.poses.iter().map(|(name, pose)| (name.to_string(), pose.told())).collect();
-        let steps: Vec<Value> = self
-            .steps
-            .iter()
-            .map(|step| {
-                // As many digits as anybody reads of it.
-                let off = step.millimetres.filter(|off| off.is_finite()).map(|off| format!("{off:.3e}"));
-                let off = off.and_then(|off| off.parse::<f64>().ok());
-                let poses = json!({ step.poses: step.pose.told() });
-                json!({ "name": step.name, "touches": step.touches, "mm": off, "poses": poses })
-            })
-            .collect();
         json!({
-            "topologies": Topology::ALL.map(topology),
-            "meshes": self.meshes.iter().map(mesh).collect::<Vec<_>>(),
+            "topologies": topologies.iter().map(topology).collect::<Vec<_>>(),
+            "meshes": meshes,
             "layers": self.layers,
             "skeletons": self.skeletons,
             "auras": self.auras,
             "maps": self.maps,
             "poses": poses,
             "values": self.values.iter().map(|value| (value * 1e3).round() / 1e3).collect::<Vec<_>>(),
-            "steps": steps,
+            "steps": self.steps,
             "limbs": self.limbs,
             "room": self.room.map(|corner| point(&corner)),
         })
@@ -367,18 +345,18 @@ impl BodyScene {
             [] | [_] => String::new(),
             [.., last] => {
                 // Empty until a step is shown: the last one's error stands above.
-                let off = last.millimetres.map_or("", |_| "<output class=\"off\"></output>");
+                let off = if last["mm"].is_null() { "" } else { "<output class=\"off\"></output>" };
                 format!(
                     "<div class=\"player\"><button type=\"button\" class=\"play\">▶ play learning</button>{off}</div>\n\
                      <label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \
                      max=\"{most}\" value=\"{most}\"/></label>\n",
-                    escape(&last.name),
+                    escape(last["name"].as_str().unwrap_or_default()),
                     most = self.steps.len() - 1
                 )
             }
         };
         let (class, stage, above) = match &self.beside {
-            Some(Beside { above, aspect }) => (
+            Some((above, aspect)) => (
                 " beside",
                 format!("height:{height}px;width:{:.0}px", aspect * height as f64),
                 format!("<div class=\"above\">\n{above}</div>\n"),

@@ -3,27 +3,20 @@
 //! Each mark has a title, which a browser shows where the mouse rests, and a class, by which `charts.css` gives it the colours
 //! of a light or a dark screen. The drawing's unit is a tenth of a pixel.
 
-mod boxes;
 mod mark;
 mod scale;
 
 use std::fmt::Write;
 
-pub use boxes::{box_marks, quartiles, rows};
 pub use mark::{ChartGroup, ChartMark, Ink};
 pub use scale::Scale;
 
 use super::text::escape;
 
-/// The colours of charts.
-pub(super) const STYLE: &str = include_str!("charts.css");
-
 /// Units of the drawing to a pixel.
 const FINE: f64 = 10.0;
 /// Size of letters, pixels.
 const LETTERS: f64 = 12.0;
-/// Size of the letters of a drawing's own title, pixels.
-const TITLE: f64 = 15.0;
 /// Height of a line of the legend and of an axis' title, pixels.
 const LINE: f64 = 20.0;
 /// Between an axis and its labels, pixels.
@@ -64,7 +57,7 @@ pub struct Panel {
 
 /// Panels side by side.
 pub struct Chart {
-    /// What it shows, for those who cannot see it, and above a drawing that stands alone.
+    /// What it shows, for those who cannot see it.
     pub says: String,
     /// The panels, from the left, their feet on one line.
     pub panels: Vec<Panel>,
@@ -76,44 +69,28 @@ impl Chart {
         Chart { says: says.into(), panels: vec![panel] }
     }
 
-    /// The chart as a part of a page that has [`STYLE`].
+    /// The chart as a part of a page that has `charts.css`.
     pub fn in_page(&self) -> String {
-        self.svg("", "", "")
-    }
-
-    /// The chart as a file of its own.
-    pub fn alone(&self) -> String {
-        let style = format!("<style>\n{}{STYLE}</style>\n", include_str!("alone.css"));
-        self.svg(" xmlns=\"http://www.w3.org/2000/svg\"", &style, &self.says)
-    }
-
-    fn svg(&self, space: &str, style: &str, title: &str) -> String {
         let margins: Vec<[f64; 4]> = self.panels.iter().map(Panel::margins).collect();
         let sized = || self.panels.iter().zip(&margins);
         let width = sized().map(|(panel, [left, right, ..])| left + panel.plot[0] + right).sum::<f64>();
-        let width = width.max(TITLE + TITLE / LETTERS * width_of(title));
         let (legend, rows) = self.legend(width);
-        let above = if title.is_empty() { 0.0 } else { 1.5 * LINE };
-        let head = above + LINE * rows as f64;
+        let head = LINE * rows as f64;
         let tallest = sized().map(|(panel, [_, _, top, _])| top + panel.plot[1]).fold(0.0, f64::max);
         let foot = margins.iter().map(|[.., bottom]| *bottom).fold(0.0, f64::max);
         let mut svg = format!(
-            "<svg{space} class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" \
-             style=\"width:{width:.0}px;--own:{width:.0}px\">\n{style}",
+            "<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" \
+             style=\"width:{width:.0}px;--own:{width:.0}px\">\n",
             fine(width),
             fine(head + tallest + foot),
             escape(&self.says),
         );
-        if !title.is_empty() {
-            let _ = writeln!(svg, "<text class=\"title\" x=\"100\" y=\"190\">{}</text>", escape(title));
-        }
         let mut left = 0.0;
         for (panel, margins) in sized() {
             panel.draw([left + margins[0], head + tallest - panel.plot[1]], &mut svg);
             left += margins[0] + panel.plot[0] + margins[1];
         }
-        let _ = writeln!(svg, "<g transform=\"translate(0 {})\">\n{legend}</g>\n</svg>", fine(above));
-        svg
+        svg + &format!("<g>\n{legend}</g>\n</svg>\n")
     }
 
     /// The names of groups with their colours, and how many rows they take.
@@ -224,7 +201,7 @@ mod tests {
     #[test]
     fn what_cannot_be_drawn_is_left_out() {
         for points in [&[][..], &[[100.0, f64::NAN]], &[[100.0, 0.0]], &[[100.0, 2.0], [200.0, 1e-20]]] {
-            let svg = chart(Scale::logarithmic(points.iter().map(|p| p[1])), points).alone();
+            let svg = chart(Scale::logarithmic(points.iter().map(|p| p[1])), points).in_page();
             assert!(svg.starts_with("<svg") && svg.contains("touches") && !svg.contains("NaN"), "{svg}");
             assert!(svg.contains("a &amp; b"), "{svg}");
             roxmltree::Document::parse(&svg).unwrap();

@@ -3,14 +3,14 @@
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::slice::from_ref;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 use super::server::LivePage;
-use super::{HEIGHT, extent, page, room};
+use super::{HEIGHT, extent, locked, page, room};
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::evaluation::touch_misses;
@@ -128,13 +128,9 @@ impl BabblingView {
         BabblingView { agent: agent.clone(), truth: truth.clone(), extent, state: Mutex::new(state) }
     }
 
-    fn state(&self) -> MutexGuard<'_, BabblingState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Shows the result: the verdict, the learned body, and the report to read.
     pub fn done(&self, verdict: &str, schema: &BodySchema, report: PathBuf) {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.doing = verdict.to_string();
         state.learned = Some(schema.clone());
         state.report = Some(report);
@@ -174,7 +170,7 @@ fn halve(points: &mut Vec<[f64; 2]>) {
 
 impl Observer for BabblingView {
     fn phase(&self, phase: Phase) {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         match phase {
             Phase::Babbling { .. } => (state.doing, state.began) = ("babbling".into(), Instant::now()),
             Phase::Learning { .. } => {
@@ -187,7 +183,7 @@ impl Observer for BabblingView {
     }
 
     fn touched(&self, touch: &RecordedTouch) {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.touches += 1;
         let number = state.touches;
         if let Some(schema) = &state.learned {
@@ -208,7 +204,7 @@ impl Observer for BabblingView {
 
     fn grew(&self, growth: &Growth) {
         let schema = growth.believed();
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.learned_from = state.touches;
         state.learned = Some(schema);
     }
@@ -217,7 +213,7 @@ impl Observer for BabblingView {
         if step.schema.is_none() && step.predicted_gap.is_none() {
             return;
         }
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.learned_from = step.touches;
         state.will_show(step.touch);
         if let Some(schema) = step.schema {
@@ -231,7 +227,7 @@ impl Observer for BabblingView {
 
 impl LivePage for BabblingView {
     fn page(&self, _query: &str) -> Option<String> {
-        let wanted = self.state().wanted;
+        let wanted = locked(&self.state).wanted;
         let truth = &self.truth;
         let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
         let learned = Layer { name: "learned body".into(), poses: "learned", ..scene.layers[0].clone() };
@@ -253,7 +249,7 @@ impl LivePage for BabblingView {
     fn newest(&self) -> String {
         // Only copied under the lock: babbling waits for nobody.
         let (posture, learned, mut told) = {
-            let mut state = self.state();
+            let mut state = locked(&self.state);
             state.show_next();
             let told = json!({
                 "doing": state.doing,
@@ -276,7 +272,7 @@ impl LivePage for BabblingView {
 
     fn charts(&self) -> String {
         let (made, missed) = {
-            let state = self.state();
+            let state = locked(&self.state);
             (state.made.clone(), state.missed.clone())
         };
         let charts = Self::charts_of(&made, &missed);
@@ -285,6 +281,6 @@ impl LivePage for BabblingView {
     }
 
     fn report(&self) -> Option<PathBuf> {
-        self.state().report.clone()
+        locked(&self.state).report.clone()
     }
 }

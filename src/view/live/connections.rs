@@ -4,7 +4,7 @@
 //! replaces the least useful: where many have not asked for anything yet the oldest of these, else the one that has taken
 //! nothing for the longest. Whoever opens the page gets it and keeps it, however many clients hold on to theirs.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::Router;
@@ -16,6 +16,8 @@ use nix::sys::resource::{Resource, getrlimit};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 use tokio::time::{Instant, sleep, timeout};
+
+use super::locked;
 
 /// Most connections.
 const MOST: u64 = 64;
@@ -45,11 +47,11 @@ pub(super) struct LastUse(Arc<Mutex<Option<Instant>>>);
 impl LastUse {
     /// It is of use now.
     pub fn note(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        *locked(&self.0) = Some(Instant::now());
     }
 
     fn get(&self) -> Option<Instant> {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        *locked(&self.0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Sessions and models to look at: their bodies in any posture, touch by touch, one beside another, and how well each limb is
 //! located.
 
+use axum::http::StatusCode;
 use nalgebra::Vector3;
 use serde_json::json;
 
@@ -8,11 +9,11 @@ use super::server::{Asked, LivePage, Reception, ShowRequest};
 use super::{HEIGHT, extent, page, room};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature, Posture};
-use crate::learning::Certainty;
+use crate::learning::Account;
 use crate::named::in_words;
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
-use crate::session::same_tree;
+use crate::session::{LearningRecord, same_tree};
 use crate::view::body::{BodyScene, Pose, certainty};
 use crate::view::text::escape;
 use crate::view::tone::Tone;
@@ -34,159 +35,150 @@ pub struct LookedAt {
     pub truth: Option<BodySchema>,
     /// What it looks like, where that is known.
     pub appearance: Option<Appearance>,
-    /// How sure that is.
-    pub certainty: Certainty,
+    /// The record of learning; `None` for a model, which is shown as it is.
+    pub record: Option<LearningRecord>,
     /// Its touches.
     pub touches: Vec<RecordedTouch>,
-    /// What came of it, in a sentence.
-    pub verdict: String,
-    /// How far that can be relied on, where it is of something learned.
-    pub tone: Option<Tone>,
 }
 
-/// What is shown of some sessions and models. It keeps nothing of what a browser looks at: each has its own.
-pub struct LookingView {
-    all: Vec<LookedAt>,
-    /// How far each reaches from its root, metres.
-    extents: Vec<f64>,
-}
+/// Sessions and models to look at. It keeps nothing of what a browser looks at: each has its own.
+pub struct LookingView(pub Vec<LookedAt>);
 
 /// What a browser looks at.
-struct Looking {
-    shown: usize,
-    beside: Option<usize>,
-    /// The touch that is shown, counted from 1; 0 for none.
-    touch: usize,
+struct Looking<'a> {
+    /// The one that is shown, with its number.
+    shown: (usize, &'a LookedAt),
+    /// The one that stands beside it.
+    beside: Option<(usize, &'a LookedAt)>,
+    /// The touch that is shown, counted from 1.
+    touch: Option<(usize, &'a RecordedTouch)>,
     posture: Posture,
     /// The limb that was clicked last.
     limb: Option<usize>,
 }
 
 impl LookingView {
-    /// A view of one or more.
-    pub fn new(all: Vec<LookedAt>) -> LookingView {
-        LookingView { extents: all.iter().map(|looked| extent(&looked.agent, &looked.schema)).collect(), all }
-    }
-
     /// What is asked for; `None` if there is no such thing.
-    fn looking(&self, asked: &ShowRequest) -> Option<Looking> {
-        let shown = self.all.get(asked.session)?;
-        if asked.beside.is_some_and(|beside| beside >= self.all.len()) {
-            return None;
-        }
-        let creature = shown.agent.creature();
-        let (posture, touch) = match (&asked.posture, asked.touch.checked_sub(1)) {
-            (Some(coordinates), _) => (posture(creature, coordinates)?, 0),
-            (None, Some(touch)) => (shown.touches.get(touch)?.posture.clone(), asked.touch),
-            (None, None) => (Posture::start(creature), 0),
-        };
-        let receptor = |receptor: usize| Some(shown.agent.skin().receptors.get(receptor)?.limb);
-        let limb = match asked.receptor {
-            Some(clicked) => Some(receptor(clicked)?),
+    fn looking(&self, asked: &ShowRequest) -> Option<Looking<'_>> {
+        let numbered = |number: usize| Some((number, self.0.get(number)?));
+        let shown @ (_, LookedAt { agent, touches, .. }) = numbered(asked.session)?;
+        let beside = match asked.beside {
+            Some(beside) => Some(numbered(beside)?),
             None => None,
         };
-        Some(Looking { shown: asked.session, beside: asked.beside, touch, posture, limb })
+        let creature = agent.creature();
+        let (posture, touch) = match (&asked.posture, asked.touch.checked_sub(1)) {
+            (Some(coordinates), _) => (posture(creature, coordinates)?, None),
+            (None, Some(touch)) => {
+                let touch = touches.get(touch)?;
+                (touch.posture.clone(), Some((asked.touch, touch)))
+            }
+            (None, None) => (Posture::start(creature), None),
+        };
+        let limb = match asked.receptor {
+            Some(clicked) => Some(agent.skin().receptors.get(clicked)?.limb),
+            None => None,
+        };
+        Some(Looking { shown, beside, touch, posture, limb })
     }
 
     /// What a page's address asks for, as in `session=2&beside=0`: the first one, and where there are two the other beside it,
     /// unless others are named.
-    fn chosen(&self, query: &str) -> Option<Looking> {
+    fn chosen(&self, query: &str) -> Option<Looking<'_>> {
         let given = |name: &str| query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='));
         let session = given("session").map_or(Some(0), |number| number.parse().ok())?;
         let beside = match given("beside") {
-            None => (self.all.len() == 2 && session == 0).then_some(1),
+            None => (self.0.len() == 2 && session == 0).then_some(1),
             Some("") => None,
             Some(number) => Some(number.parse().ok()?),
         };
         self.looking(&ShowRequest { session, beside, ..ShowRequest::default() })
     }
 
-    /// How far aside along y the other body stands, metres.
-    fn aside(&self, state: &Looking) -> f64 {
-        state.beside.map_or(0.0, |beside| APART * (self.extents[state.shown] + self.extents[beside]))
-    }
-
-    /// The poses of all that is shown.
-    fn poses(&self, state: &Looking) -> Vec<(&'static str, Pose)> {
-        let shown = &self.all[state.shown];
-        let creature = shown.agent.creature();
-        let mut poses = vec![("learned", Pose::new(creature, &shown.schema, &state.posture))];
-        if let Some(truth) = &shown.truth {
-            poses.push(("true", Pose::new(creature, truth, &state.posture)));
-        }
-        if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
-            let own = other.agent.creature();
-            // What moves otherwise cannot be in the same posture.
-            let posture =
-                if same_tree(creature, own) { state.posture.clone() } else { own.reference_posture() };
-            let aside = Vector3::y() * self.aside(state);
-            poses.push(("other", Pose::new(own, &other.schema, &posture).moved(&aside)));
-        }
-        poses
-    }
-
-    /// What is known of a limb, in a sentence.
-    fn certainty(looked: &LookedAt, limb: usize) -> String {
-        let creature = looked.agent.creature();
-        match &looked.certainty {
-            Certainty::Exact => in_words(&creature.limbs()[limb]),
-            Certainty::Unknown => certainty(creature, None, limb),
-            Certainty::Estimated(account) => certainty(creature, Some(account), limb),
-        }
-    }
-
-    /// The touch that is shown, in words.
-    fn doing(&self, state: &Looking) -> String {
-        let shown = &self.all[state.shown];
-        let Some(touch) = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number)) else {
-            return shown.verdict.clone();
-        };
-        let limb = |end: usize| {
-            let receptor = &shown.agent.skin().receptors[touch.ends[end].receptor];
-            in_words(&shown.agent.creature().limbs()[receptor.limb])
-        };
-        format!("touch {} of {}: {} and {}", state.touch, shown.touches.len(), limb(0), limb(1))
-    }
-
     /// The choice of what is shown, of what stands beside it, of a touch and of a posture.
-    fn controls(&self, state: &Looking) -> String {
+    fn controls(&self, looking: &Looking) -> String {
         let option = |value: &str, chosen: bool, name: &str| {
             let selected = if chosen { " selected=\"\"" } else { "" };
             format!("<option value=\"{value}\"{selected}>{}</option>", escape(name))
         };
         let all = |chosen: Option<usize>| -> String {
-            let all = self.all.iter().enumerate();
+            let all = self.0.iter().enumerate();
             all.map(|(k, looked)| option(&k.to_string(), chosen == Some(k), &looked.name)).collect()
         };
         let choice = |id: &str, says: &str, options: String| {
             format!("<label>{says} <select id=\"{id}\" autocomplete=\"off\">{options}</select></label>\n")
         };
         let mut html = String::new();
-        if self.all.len() > 1 {
-            let beside = option("", false, "nothing") + &all(state.beside);
-            let choices =
-                choice("shown", "shown:", all(Some(state.shown))) + &choice("beside", "beside it:", beside);
+        if self.0.len() > 1 {
+            let beside = option("", false, "nothing") + &all(looking.beside.map(|(number, _)| number));
+            let choices = choice("shown", "shown:", all(Some(looking.shown.0)))
+                + &choice("beside", "beside it:", beside);
             html += &format!("<div class=\"choices\">\n{choices}</div>\n");
         }
-        let shown = &self.all[state.shown];
+        let shown = looking.shown.1;
         if !shown.touches.is_empty() {
             html += &format!(
                 "<label class=\"slider\">touch: <output id=\"touch-number\">{0}</output>\n<input type=\"range\" id=\"touch\" \
                  min=\"0\" max=\"{1}\" value=\"{0}\"/></label>\n",
-                state.touch,
+                looking.touch.map_or(0, |(number, _)| number),
                 shown.touches.len()
             );
         }
         html += "<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n";
         for at in shown.agent.creature().elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
             let ([low, high], coordinate, name) = (at.range, at.coordinate(), escape(&at.name));
-            let value = state.posture[coordinate];
+            let value = looking.posture[coordinate];
             html += &format!(
                 "<label>{name} <input type=\"range\" data-coordinate=\"{coordinate}\" min=\"{low}\" max=\"{high}\" step=\"any\" \
                  value=\"{value}\"/></label>\n"
             );
         }
         html + "</div></details>\n"
+    }
+}
+
+impl Looking<'_> {
+    /// How far aside along y the other body stands, metres.
+    fn aside(&self) -> f64 {
+        let extent = |looked: &LookedAt| extent(&looked.agent, &looked.schema);
+        self.beside.map_or(0.0, |(_, other)| APART * (extent(self.shown.1) + extent(other)))
+    }
+
+    /// The poses of all that is shown.
+    fn poses(&self) -> Vec<(&'static str, Pose)> {
+        let LookedAt { agent, schema, truth, .. } = self.shown.1;
+        let creature = agent.creature();
+        let mut poses = vec![("learned", Pose::new(creature, schema, &self.posture))];
+        poses.extend(truth.iter().map(|truth| ("true", Pose::new(creature, truth, &self.posture))));
+        if let Some((_, other)) = self.beside {
+            let own = other.agent.creature();
+            // What moves otherwise cannot be in the same posture.
+            let posture =
+                if same_tree(creature, own) { self.posture.clone() } else { own.reference_posture() };
+            let aside = Vector3::y() * self.aside();
+            poses.push(("other", Pose::new(own, &other.schema, &posture).moved(&aside)));
+        }
+        poses
+    }
+
+    /// What is known of the limb that was clicked last, in a sentence; empty for none.
+    fn about(&self) -> String {
+        let LookedAt { agent, record, .. } = self.shown.1;
+        match (self.limb, record) {
+            (None, _) => String::new(),
+            (Some(limb), None) => in_words(&agent.creature().limbs()[limb]),
+            (Some(limb), Some(record)) => certainty(agent.creature(), record.reliable_account(), limb),
+        }
+    }
+
+    /// The touch that is shown, in words; without one, the verdict.
+    fn doing(&self) -> String {
+        let LookedAt { agent, record, touches, .. } = self.shown.1;
+        let Some((number, touch)) = self.touch else {
+            return record.as_ref().map_or("the model as it is".into(), |record| record.verdict.clone());
+        };
+        let [a, b] = touch.limbs(agent.skin()).map(|limb| in_words(&agent.creature().limbs()[limb]));
+        format!("touch {number} of {}: {a} and {b}", touches.len())
     }
 }
 
@@ -211,13 +203,11 @@ fn posture(creature: &Creature, coordinates: &[f64]) -> Option<Posture> {
 
 impl LivePage for LookingView {
     fn page(&self, query: &str) -> Option<String> {
-        let state = self.chosen(query)?;
-        let shown = &self.all[state.shown];
+        let looking = self.chosen(query)?;
+        let (number, shown) = looking.shown;
         let agent = &shown.agent;
-        let open = match &shown.certainty {
-            Certainty::Estimated(account) => account.undetermined(),
-            Certainty::Exact | Certainty::Unknown => &[],
-        };
+        let account = shown.record.as_ref().and_then(LearningRecord::reliable_account);
+        let open = account.map_or(&[][..], Account::undetermined);
         let mut scene = BodyScene::of_body(agent, &shown.schema, open, shown.appearance.as_ref(), "learned");
         // Without touches the skin itself is what there is to see.
         scene.layers[1].lit_alone = !shown.touches.is_empty();
@@ -225,39 +215,39 @@ impl LivePage for LookingView {
         if shown.truth.is_some() {
             scene.add_truth(agent);
         }
-        if let Some(other) = state.beside.map(|beside| &self.all[beside]) {
+        if let Some((_, other)) = looking.beside {
             scene.add(BESIDE, "other", other.agent.skin(), other.appearance.as_ref());
         }
-        scene.poses = self.poses(&state);
-        scene.room = room(self.extents[state.shown], self.aside(&state));
+        scene.poses = looking.poses();
+        scene.room = room(extent(agent, &shown.schema), looking.aside());
         let caption = "Click a limb to see how well it is located. Drag or use the arrow keys to rotate; Ctrl and the wheel zoom.";
         let body = scene.figure("The selected body", HEIGHT, "", caption);
         let content = format!(
             "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\">{}</p>\n<section class=\"looking\" \
              data-session=\"{}\" data-beside=\"{}\">\n<div>{body}</div>\n<div class=\"controls\">\n{}<p id=\"about\" class=\"note\" aria-live=\"polite\"></p>\n</div>\n</section>\n",
-            escape(&self.doing(&state)),
-            state.shown,
-            state.beside.map_or(String::new(), |beside| beside.to_string()),
-            self.controls(&state)
+            escape(&looking.doing()),
+            number,
+            looking.beside.map_or(String::new(), |(beside, _)| beside.to_string()),
+            self.controls(&looking)
         );
         Some(page(agent.creature().name(), &shown.name, &content))
     }
 
     fn ask(&self, asked: Asked) -> Reception {
-        let Asked::Show(asked) = asked else { return Reception::Nobody };
-        let Some(state) = self.looking(&asked) else { return Reception::Nobody };
-        let shown = &self.all[state.shown];
-        let touch = state.touch.checked_sub(1).and_then(|number| shown.touches.get(number));
-        let poses = self.poses(&state).into_iter().map(|(name, pose)| (name.to_string(), pose.told()));
+        let Asked::Show(asked) = asked else { return Err(StatusCode::NOT_FOUND) };
+        let looking = self.looking(&asked).ok_or(StatusCode::NOT_FOUND)?;
+        let poses = looking.poses().into_iter().map(|(name, pose)| (name.to_string(), pose.told()));
+        let record = looking.shown.1.record.as_ref().filter(|_| looking.touch.is_none());
+        let felt = looking.touch.map(|(_, touch)| touch.ends.map(|end| end.receptor).to_vec());
         let told = json!({
-            "doing": self.doing(&state),
-            "tone": shown.tone.filter(|_| state.touch == 0).map_or("", Tone::class),
-            "about": state.limb.map_or(String::new(), |limb| LookingView::certainty(shown, limb)),
-            "touch": state.touch,
-            "posture": &state.posture[..],
-            "felt": touch.map_or(Vec::new(), |touch| touch.ends.map(|end| end.receptor).to_vec()),
+            "doing": looking.doing(),
+            "tone": record.map_or("", |record| Tone::of(record).name()),
+            "about": looking.about(),
+            "touch": looking.touch.map_or(0, |(number, _)| number),
+            "posture": &looking.posture[..],
+            "felt": felt.unwrap_or_default(),
             "poses": poses.collect::<serde_json::Map<_, _>>(),
         });
-        Reception::Shown(told.to_string())
+        Ok(Some(told.to_string()))
     }
 }

@@ -16,6 +16,8 @@ mod looking;
 mod server;
 mod table;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use nalgebra::Vector3;
 
 pub use babbling::BabblingView;
@@ -33,6 +35,11 @@ const SCRIPT: &str = include_str!("live.js");
 const HEIGHT: usize = 560;
 /// Half the side of the box to be seen, as a share of the body's extent: outstretched arms may leave it.
 const ROOM: f64 = 0.86;
+
+/// What a mutex guards, even if a thread panicked while it held it.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A page with a title, a sentence below it, and its content, which is HTML.
 fn page(title: &str, about: &str, content: &str) -> String {

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -22,6 +22,7 @@ use tokio::time::{MissedTickBehavior, timeout};
 
 use super::connections::{LastUse, serve};
 use super::guard::{guard, policy};
+use super::locked;
 use crate::view::report;
 use crate::view::script;
 
@@ -54,22 +55,13 @@ pub trait LivePage: Send + Sync + 'static {
     }
     /// Takes what a page asks for, and waits for nobody.
     fn ask(&self, _asked: Asked) -> Reception {
-        Reception::Nobody
+        Err(StatusCode::NOT_FOUND)
     }
 }
 
-/// What becomes of what a page asks for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Reception {
-    /// It will be heard.
-    Taken,
-    /// It is shown: JSON for the browser that asked.
-    Shown(String),
-    /// There is no such thing, or nobody to hear it.
-    Nobody,
-    /// Too much waits to be heard already.
-    Full,
-}
+/// The answer to what a page asks for: JSON for the browser that asked, or nothing if it will be heard; an error if there is no such
+/// thing or nobody to hear it, or too much waits to be heard already.
+pub type Reception = Result<Option<String>, StatusCode>;
 
 /// What a page asks for, as in `{"say": "hello"}`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -190,7 +182,7 @@ fn routes(shared: Shared) -> Router {
 async fn page(State(shared): State<Shared>, RawQuery(query): RawQuery) -> Response {
     let query = query.unwrap_or_default();
     let page = {
-        let mut kept = shared.page.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = locked(&shared.page);
         match &*kept {
             Some((of, page)) if *of == query => Some(page.clone()),
             _ => shared.view.page(&query).map(|page| kept.insert((query, page.into())).1.clone()),
@@ -241,10 +233,9 @@ async fn ask(State(shared): State<Shared>, Json(asked): Json<Asked>) -> Response
         other => other,
     };
     match shared.view.ask(asked) {
-        Reception::Taken => StatusCode::NO_CONTENT.into_response(),
-        Reception::Shown(json) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
-        Reception::Nobody => StatusCode::NOT_FOUND.into_response(),
-        Reception::Full => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+        Ok(None) => StatusCode::NO_CONTENT.into_response(),
+        Ok(Some(json)) => ([(header::CONTENT_TYPE, "application/json")], json).into_response(),
+        Err(refused) => refused.into_response(),
     }
 }
 

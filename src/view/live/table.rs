@@ -1,13 +1,14 @@
 //! A creature among things as a live view, with the conversation beside it.
 
+use std::sync::Mutex;
 use std::sync::mpsc::{SyncSender, TrySendError};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use axum::http::StatusCode;
 use nalgebra::Vector3;
 use serde_json::json;
 
 use super::server::{Asked, LivePage, Reception};
-use super::{HEIGHT, page};
+use super::{HEIGHT, locked, page};
 use crate::agent::Agent;
 use crate::error::Result;
 use crate::geometry::Frame;
@@ -15,7 +16,7 @@ use crate::ground_truth::GroundTruth;
 use crate::senses::SkinContact;
 use crate::simulation::Stage;
 use crate::skin::{Skin, surface_of_body};
-use crate::view::body::{BodyMesh, BodyScene, Pose};
+use crate::view::body::{BodyMesh, BodyScene, Pose, mesh_of_surfaces};
 
 /// Most lines of the conversation that are shown.
 const MOST_LINES: usize = 200;
@@ -58,8 +59,8 @@ impl TableView {
         for thing in (0..model.nbody()).filter(|&b| body.limb_of_body[b].is_none()) {
             let mut skin = Skin { receptors: Vec::new(), surfaces: surface_of_body(model, thing) };
             skin.surfaces.iter_mut().for_each(|surface| surface.limb = things.len());
-            let mesh = BodyMesh::of_surfaces(&skin);
-            if !mesh.pieces.is_empty() {
+            let mesh = mesh_of_surfaces(&skin);
+            if !mesh.is_empty() {
                 things.push((thing, stage.thing_name(thing), mesh));
             }
         }
@@ -74,28 +75,24 @@ impl TableView {
         Ok(view)
     }
 
-    fn state(&self) -> MutexGuard<'_, TableState> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Shows where all is now, and which receptors feel something.
     pub fn shows(&self, stage: &Stage, felt: &[SkinContact]) {
         let own = Pose::of_parts(stage.limb_frames());
         let things = self.things.iter().map(|(body, ..)| Frame::from(stage.thing_pose(*body)));
         let things = Pose::of_parts(things.collect());
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         (state.own, state.things) = (own, things);
         state.felt = felt.iter().flat_map(SkinContact::spots).map(|spot| spot.receptor).collect();
     }
 
     /// Shows that receptors are touched, whatever touches them.
     pub fn feels(&self, receptors: &[usize]) {
-        self.state().felt = receptors.to_vec();
+        locked(&self.state).felt = receptors.to_vec();
     }
 
     /// A line of the conversation; `busy` where what it asks for is being done.
     pub fn says(&self, who: &str, said: &str, busy: bool) {
-        let mut state = self.state();
+        let mut state = locked(&self.state);
         state.busy = busy;
         state.lines.push([who.into(), said.into()]);
         if state.lines.len() > MOST_LINES {
@@ -105,21 +102,21 @@ impl TableView {
 
     /// The conversation is over.
     pub fn ends(&self) {
-        self.state().over = true;
+        locked(&self.state).over = true;
     }
 }
 
 impl LivePage for TableView {
     fn page(&self, _query: &str) -> Option<String> {
         let (own, things) = {
-            let state = self.state();
+            let state = locked(&self.state);
             (state.own.clone(), state.things.clone())
         };
         let truth = &self.truth;
         let mut scene = BodyScene::of_body(&self.agent, &truth.schema, &[], Some(&truth.appearance), "own");
         for (k, (_, name, mesh)) in self.things.iter().enumerate() {
             let colour = COLOURS[k % COLOURS.len()];
-            let labels = vec![name.clone(); mesh.pieces.len()];
+            let labels = vec![name.clone(); mesh.len()];
             scene.add_mesh("things", "things", mesh.clone(), colour).labels = labels;
         }
         let poses = |mesh: usize| if mesh < 2 { &own } else { &things };
@@ -145,7 +142,7 @@ impl LivePage for TableView {
     }
 
     fn newest(&self) -> String {
-        let state = self.state();
+        let state = locked(&self.state);
         let doing = match (state.over, state.busy) {
             (true, _) => "The conversation is over.",
             (_, true) => "…",
@@ -167,12 +164,12 @@ impl LivePage for TableView {
             Asked::Show(_) => false,
         };
         if !known {
-            return Reception::Nobody;
+            return Err(StatusCode::NOT_FOUND);
         }
         match self.asked.try_send(asked) {
-            Ok(()) => Reception::Taken,
-            Err(TrySendError::Full(_)) => Reception::Full,
-            Err(TrySendError::Disconnected(_)) => Reception::Nobody,
+            Ok(()) => Ok(None),
+            Err(TrySendError::Full(_)) => Err(StatusCode::SERVICE_UNAVAILABLE),
+            Err(TrySendError::Disconnected(_)) => Err(StatusCode::NOT_FOUND),
         }
     }
 }

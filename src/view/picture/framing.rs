@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::geometry::Shape;
+use crate::geometry::{Shape, box_about};
 use crate::mujoco::{Camera, Data, GeomKind, Model};
 
 /// The part of a picture's width and height that is left free about what it shows.
@@ -85,12 +85,8 @@ pub fn frame(
 
 /// The sides of the box along the world's axes about some points, metres; 0 where there are none.
 pub(super) fn extent(points: &[Point3<f64>]) -> Vector3<f64> {
-    let places = || points.iter().map(|point| point.coords);
-    let (Some(least), Some(most)) = (places().reduce(|a, b| a.inf(&b)), places().reduce(|a, b| a.sup(&b)))
-    else {
-        return Vector3::zeros();
-    };
-    most - least
+    let corners = box_about(points.iter().map(|point| point.coords));
+    corners.map_or(Vector3::zeros(), |[low, high]| high - low)
 }
 
 /// Points about all geoms of a model that are `shown` and end somewhere, auras left out, given data with poses computed.

@@ -10,11 +10,11 @@ use crate::error::Result;
 use crate::geometry::Frame;
 use crate::kinematics::limb_frames;
 use crate::mujoco::{GeomCopy, GeomKind, Mark};
-use crate::named::in_words;
+use crate::named::{in_words, plural};
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
 use crate::session::Checkpoint;
-use crate::view::text::{self, error_number};
+use crate::view::text::error_number;
 
 /// Seconds from one touch to the next.
 const MOTION: f64 = 0.9;
@@ -188,7 +188,7 @@ fn between(from: &[GeomCopy], to: &[GeomCopy], share: f64) -> Vec<GeomCopy> {
 fn caption(at: &Checkpoint) -> String {
     let touches = match at.touches {
         0 => "a random initial guess".to_string(),
-        count => text::touches(count),
+        count => plural(count, "touch"),
     };
     touches + &at.error_rms.map_or(String::new(), |error| format!("   {} mm", error_number(error)))
 }

@@ -2,11 +2,13 @@
 
 use std::fmt::Write;
 
+use serde_json::Value;
+
 use super::ReportInput;
+use crate::named::plural;
 use crate::session::Checkpoint;
 use crate::skin::{Receptor, Skin};
-use crate::view::body::{AURAS, Beside, BodyScene, MAP, Pose, Step, certainty};
-use crate::view::text::plural;
+use crate::view::body::{AURAS, BodyScene, MAP, Pose, certainty, step};
 
 /// Most steps of the slider, …
 const MOST_STEPS: usize = 80;
@@ -25,9 +27,10 @@ const WIDEST: f64 = 1.15;
 
 /// The picture; a sentence where there is nothing to draw.
 pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
-    let (agent, creature) = (input.agent, input.agent.creature());
+    let (agent, creature) = (&input.session.agent, input.session.agent.creature());
     let appearance = input.truth.map(|truth| &truth.appearance);
-    let mut scene = BodyScene::of_body(agent, input.schema, input.undetermined, appearance, "learned");
+    let undetermined = input.undetermined();
+    let mut scene = BodyScene::of_body(agent, input.schema, &undetermined, appearance, "learned");
     let account = input.record.reliable_account();
     scene.tell_of_limbs(|limb| certainty(creature, account, limb));
     let counts = counts(input);
@@ -43,7 +46,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let labels = skin.receptors.iter().zip(&counts).map(touched).collect();
     scene.only_receptors(&skin, labels, counts.iter().map(|count| shade(*count)).collect());
     scene.poses = vec![("learned", Pose::at_rest(creature, input.schema))];
-    scene.add_joints(agent, input.undetermined);
+    scene.add_joints(agent, &undetermined);
     if let Some(truth) = input.truth {
         scene.poses.push(("true", Pose::at_rest(creature, &truth.schema)));
         scene.add_truth(agent);
@@ -52,7 +55,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let Some(room) = BodyScene::room_of(all) else {
         return format!("{above}<p class=\"note\">Nothing to draw.</p>\n");
     };
-    let bare = scene.meshes[0].pieces.is_empty();
+    let bare = scene.meshes[0].is_empty();
     scene.hidden = if bare { vec![AURAS, MAP] } else { vec!["receptors", AURAS, MAP] };
     if bare {
         // Receptors alone have neither limbs to be seen nor auras about them.
@@ -63,10 +66,8 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let several = scene.steps.len() > 1;
     scene.room = room;
     let sides = room[1] - room[0];
-    scene.beside = Some(Beside {
-        above: above.into(),
-        aspect: (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST),
-    });
+    let aspect = (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST);
+    scene.beside = Some((above.into(), aspect));
     let over = if input.truth.is_some() { " over the true one (grey)" } else { "" };
     let caption = format!(
         "The learned body{over}, in the rest posture. Point at a limb to see how well it is located; click it to pick it \
@@ -110,22 +111,18 @@ fn legend(most: usize, shade: &dyn Fn(usize) -> f64) -> String {
 }
 
 /// The checkpoints that there is room for, the first and the last at any rate.
-fn steps(input: &ReportInput) -> Vec<Step> {
-    let (creature, touches) = (input.agent.creature(), input.touches.len());
-    let step = |touches: usize, millimetres: Option<f64>, schema| Step {
-        name: if touches == 0 { "initial guess".to_string() } else { touches.to_string() },
-        touches,
-        millimetres,
-        poses: "learned",
-        pose: Pose::at_rest(creature, schema),
-    };
+fn steps(input: &ReportInput) -> Vec<Value> {
+    let (creature, touches) = (input.session.agent.creature(), input.touches.len());
     let before: Vec<&Checkpoint> =
         input.record.checkpoints.iter().filter(|at| at.touches < touches).collect();
     let most = (MOST_LIMBS_OF_STEPS / creature.limbs().len().max(1)).clamp(FEWEST_STEPS, MOST_STEPS);
     let every = before.len().div_ceil(most - 1).max(1);
-    let earlier = before.iter().step_by(every).map(|at| step(at.touches, at.error_rms, &at.schema));
-    let last = input.record.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
-    let last = Step { name: touches.to_string(), ..step(touches, last, input.schema) };
+    let earlier = before.iter().step_by(every).map(|at| {
+        let name = if at.touches == 0 { "initial guess".to_string() } else { at.touches.to_string() };
+        step(&name, at.touches, at.error_rms, &Pose::at_rest(creature, &at.schema))
+    });
+    let off = input.record.checkpoints.iter().rfind(|at| at.touches == touches).and_then(|at| at.error_rms);
+    let last = step(&touches.to_string(), touches, off, &Pose::at_rest(creature, input.schema));
     earlier.chain([last]).collect()
 }
 
@@ -140,7 +137,7 @@ fn most_touched(counts: &[usize]) -> Vec<usize> {
 
 /// How often each receptor was touched.
 fn counts(input: &ReportInput) -> Vec<usize> {
-    let mut counts = vec![0; input.agent.skin().receptors.len()];
+    let mut counts = vec![0; input.session.agent.skin().receptors.len()];
     input.touches.iter().flat_map(|touch| touch.ends).for_each(|end| counts[end.receptor] += 1);
     counts
 }

@@ -1,10 +1,11 @@
 //! The learning curve: the error and its bound as touches come in, and how far each touch was from its prediction.
 
 use super::ReportInput;
+use crate::named::plural;
 use crate::session::{Checkpoint, LearningRow};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
-use crate::view::text::{short_number as number, thinned, touches};
+use crate::view::text::short_number as number;
 
 /// Most touches that are drawn as dots.
 const MOST_DOTS: usize = 1200;
@@ -22,8 +23,9 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         let (gap, deviation) = (row.predicted_gap_mm?, row.predicted_deviation_mm?);
         Some([row.touches as f64, gap.abs(), deviation])
     };
-    let predicted: Vec<[f64; 3]> =
-        thinned(input.predictions.iter().filter_map(prediction).collect(), MOST_DOTS);
+    let predicted: Vec<[f64; 3]> = input.predictions.iter().filter_map(prediction).collect();
+    let every = predicted.len().div_ceil(MOST_DOTS).max(1);
+    let predicted: Vec<[f64; 3]> = predicted.into_iter().step_by(every).collect();
     let mut groups = Vec::new();
     let mut group = |name: &str, ink, marks| groups.push(ChartGroup::new(name, ink, marks));
     let line = |points, dashes, width| ChartMark::Line { points, dashes, width };
@@ -53,7 +55,8 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     for (name, ink, points, dashes, radius) in
         curves.into_iter().filter(|(_, _, points, ..)| !points.is_empty())
     {
-        let says = |p: &[f64; 2]| format!("{name} after {}: {} mm", touches(p[0] as usize), number(p[1]));
+        let says =
+            |p: &[f64; 2]| format!("{name} after {}: {} mm", plural(p[0] as usize, "touch"), number(p[1]));
         let mut marks: Vec<ChartMark> = points.iter().map(|p| ChartMark::dot(*p, radius, says(p))).collect();
         marks.push(line(points.clone(), dashes, 2.2));
         group(name, ink, marks);

@@ -1,14 +1,13 @@
 //! What a report says first: the verdict in its colour, and the one number.
 
 use super::ReportInput;
-use crate::view::text::{error_number, escape, touches};
+use crate::named::plural;
+use crate::view::text::{error_number, escape};
 use crate::view::tone::Tone;
 
 /// The verdict; how much of the body is located, and, where the truth is known, how far off that is.
 pub(super) fn of(input: &ReportInput) -> String {
-    let named = input.undetermined.len() + input.record.undetermined_limbs.len();
-    let tone = |converged: bool| format!(" {}", Tone::new(converged, named).class());
-    let tone = input.converged.map_or(String::new(), tone);
+    let tone = input.converged().map_or(String::new(), |_| format!(" {}", Tone::of(input.record).name()));
     let verdict = escape(&input.record.verdict);
     let Some(evaluation) = input.evaluation else {
         return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
@@ -23,12 +22,14 @@ pub(super) fn of(input: &ReportInput) -> String {
     if !error.is_finite() {
         return format!("<p class=\"verdict{tone}\">{verdict}</p>\n");
     }
-    let time = input.seconds.map_or(String::new(), |seconds| format!(" in {}", time(seconds)));
+    let babbling = input.session.effort.map_or(0.0, |effort| effort.babbling_s);
+    let time =
+        input.record.seconds.map_or(String::new(), |learning| format!(" in {}", time(babbling + learning)));
     format!(
         "<p class=\"verdict{tone}\">{verdict}</p>\n<p class=\"headline\">{located}<strong>{} mm</strong> after {}{time}<br/>\
          <small>mean surface error of {of} relative to one another, compared with the true model</small></p>\n",
         escape(&error_number(error)),
-        touches(input.touches.len()),
+        plural(input.touches.len(), "touch"),
     )
 }
 

@@ -12,12 +12,11 @@ mod session;
 mod tables;
 mod touch_matrix;
 
-use crate::agent::Agent;
-use crate::evaluation::{Evaluation, Summary};
+use crate::evaluation::Evaluation;
 use crate::ground_truth::GroundTruth;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::RecordedTouch;
-use crate::session::{LearningRecord, LearningRow, SpaceRecord};
+use crate::session::{LearningRecord, LearningRow, Session, SpaceRecord};
 use crate::view::page;
 use crate::view::text::escape;
 pub use session::{REPORT_FILE, write_report};
@@ -26,42 +25,45 @@ pub(crate) use tables::{bound_in_words, error_rows, limb_table, summaries};
 /// What the page does beside drawing the body.
 pub(super) const SCRIPT: &str = include_str!("report.js");
 
-/// All that a report tells, as plain data.
-#[derive(Clone, Debug)]
+/// What a report shows: a session, and what was learned in it.
+#[derive(Clone, Copy)]
 pub struct ReportInput<'a> {
-    /// What the agent was given.
-    pub agent: &'a Agent,
-    /// What it learned; must fit the creature.
+    /// The session.
+    pub session: &'a Session,
+    /// The record of learning; must fit the creature.
+    pub record: &'a LearningRecord,
+    /// The learned schema; must fit the creature.
     pub schema: &'a BodySchema,
-    /// How sure it is of it, where the learner can tell; must fit the creature.
+    /// Its standard deviations, if the learner estimates them; must fit the creature.
     pub std: Option<&'a SchemaStd>,
-    /// What it should have learned and what it looks like, where that is known.
+    /// The true body, if it is known.
     pub truth: Option<&'a GroundTruth>,
-    /// The error measures, where the truth is known.
+    /// The error measures, if the truth is known.
     pub evaluation: Option<&'a Evaluation>,
     /// The touches that were learned from.
     pub touches: &'a [RecordedTouch],
-    /// How far apart the schema puts what touched, millimetres.
-    pub residual: Summary,
-    /// What learning came to; its checkpoints and its account must fit the creature.
-    pub record: &'a LearningRecord,
-    /// The rows of the table of learning, which have what the learner predicted of touches.
+    /// The rows of the table of learning, with the learner's predictions of touches.
     pub predictions: &'a [LearningRow],
     /// The reachable workspace, if it was computed.
     pub space: Option<&'a SpaceRecord>,
-    /// The session's seed.
-    pub seed: u64,
-    /// The command lines that made the session, each with what it did in a word or two.
-    pub commands: Vec<(String, String)>,
-    /// What else was done, name and value in the order to be shown: motions, learner, input, times, engine
-    /// version. Joints, receptors, touches and limb pairs need no mention: they are counted here.
-    pub facts: Vec<(String, String)>,
-    /// Whether held-out touches confirm what was learned; `None` if that was not kept.
-    pub converged: Option<bool>,
-    /// How long it took to touch and to learn, seconds; `None` if that was not kept.
-    pub seconds: Option<f64>,
-    /// The joints that the touches did not determine.
-    pub undetermined: &'a [usize],
+}
+
+impl ReportInput<'_> {
+    /// Whether held-out touches confirm the schema; `None` in sessions without a record of that.
+    fn converged(&self) -> Option<bool> {
+        (!self.record.program.is_empty()).then_some(self.record.converged)
+    }
+
+    /// The seed of what was learned, else of the session.
+    fn seed(&self) -> u64 {
+        if self.converged().is_some() { self.record.seed } else { self.session.seed }
+    }
+
+    /// The joints that the touches do not determine.
+    fn undetermined(&self) -> Vec<usize> {
+        let joints = self.session.agent.creature().joints();
+        (0..joints.len()).filter(|&joint| self.record.undetermined.contains(&joints[joint].name)).collect()
+    }
 }
 
 /// A section of the page: its title, and what makes its content.
@@ -81,8 +83,8 @@ const SECTIONS: &[Section] = &[
 
 /// The whole page: HTML of some hundred kilobytes, of a creature of a thousand limbs less than two thousand.
 pub fn html(input: &ReportInput) -> String {
-    let name = input.agent.creature().name();
-    let seed = input.seed;
+    let name = input.session.agent.creature().name();
+    let seed = input.seed();
     let sections = in_sections(SECTIONS.iter().map(|(title, content)| (*title, content(input))));
     let content = format!(
         "<header>\n<h1>{}</h1>\n<p>A body schema learned from self-touch</p>\n</header>\n{}{sections}",

@@ -2,36 +2,55 @@
 
 use super::ReportInput;
 use crate::creature::{Creature, DofKind};
-use crate::evaluation::{CramerRaoBound, Evaluation, Summary, axis_errors, touches_across};
+use crate::evaluation::{CramerRaoBound, Evaluation, Summary, axis_errors, touch_misses, touches_across};
 use crate::learning::{Account, LimbLine};
+use crate::named::plural;
 use crate::senses::limb_pairs;
 use crate::view::table::Table;
-use crate::view::text::{error_number, escape, plural};
+use crate::view::text::{error_number, escape, shell_words};
 
-/// The numbers of the session, counted and told.
+/// The commands of the session, its numbers, and how it came about and was learned from.
 pub(super) fn facts(input: &ReportInput) -> String {
-    let creature = input.agent.creature();
-    let pairs = limb_pairs(input.agent.skin(), input.touches);
-    let joints = plural(creature.joints().len(), "joint");
-    let counted = [
-        ("Body", format!("{joints} with {} degrees of freedom", creature.dof())),
-        ("Skin", plural(input.agent.skin().receptors.len(), "receptor")),
-        ("Touches", format!("{} of {}", input.touches.len(), plural(pairs.len(), "pair of limbs"))),
+    let ReportInput { session, record, .. } = input;
+    let (agent, effort) = (&session.agent, session.effort.as_ref());
+    let again = Some(&record.command).filter(|command| **command != session.command);
+    let commands = [("Made by", Some(&session.command)), ("Learned by", again)];
+    let kept = commands.iter().filter_map(|(what, command)| Some((what, (*command)?)));
+    let commands: String = kept
+        .filter(|(_, command)| !command.is_empty())
+        .map(|(what, command)| format!("<p>{what} <code>{}</code></p>\n", escape(&shell_words(command))))
+        .collect();
+    let (joints, dof) = (plural(agent.creature().joints().len(), "joint"), agent.creature().dof());
+    let pairs = plural(limb_pairs(agent.skin(), input.touches).len(), "pair of limbs");
+    let host = record.host.as_ref().or(session.host.as_ref());
+    let recording = session.recording.as_ref();
+    let simulated = recording.is_none();
+    let facts = [
+        ("Body", Some(format!("{joints} with {dof} degrees of freedom"))),
+        ("Skin", Some(plural(agent.skin().receptors.len(), "receptor"))),
+        ("Touches", Some(format!("{} of {pairs}", input.touches.len()))),
+        ("program", Some(session.program.clone())),
+        ("creature", recording.map(|recording| recording.creature.clone())),
+        ("log", recording.map(|recording| recording.log.clone())),
+        ("model", simulated.then(|| session.model.clone())),
+        ("engine", simulated.then(|| format!("MuJoCo {}", session.engine))),
+        ("processor", host.map(|host| host.cpu.clone())),
+        ("cores", host.map(|host| host.cores.to_string())),
+        ("operating system", host.map(|host| host.os.clone())),
+        ("motions", effort.map(|effort| effort.of_motions.motions.to_string())),
+        ("babbling", effort.map(|effort| format!("{:.2} s", effort.babbling_s))),
+        ("babbling ended", effort.and_then(|effort| Some(effort.ended_by?.to_string()))),
+        ("simulated", effort.and_then(|effort| Some(format!("{:.0} s", effort.simulated_s()?)))),
     ];
-    let counted = counted.map(|(name, value)| (name.to_string(), value));
-    let seed = [("Seed".to_string(), input.seed.to_string())];
-    let commands = |(name, command): &(String, String)| {
-        format!("<p>{} <code>{}</code></p>\n", escape(name), escape(command))
-    };
-    let rows = definitions(counted.iter().chain(&input.facts).chain(&seed));
-    let commands: String = input.commands.iter().map(commands).collect();
-    commands + &rows
+    let facts = facts.into_iter().filter_map(|(name, value)| Some((name.to_string(), value?)));
+    let seed = ("Seed".to_string(), input.seed().to_string());
+    commands + &definitions(facts.chain(record.facts.iter().cloned()).chain([seed]))
 }
 
 /// A list of names and values.
-pub(super) fn definitions<'a>(facts: impl IntoIterator<Item = &'a (String, String)>) -> String {
-    let row = |(name, value): &(String, String)| {
-        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(value))
+pub(super) fn definitions(facts: impl IntoIterator<Item = (String, String)>) -> String {
+    let row = |(name, value): (String, String)| {
+        format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(&name), escape(&value))
     };
     let rows: String = facts.into_iter().map(row).collect();
     format!("<dl>\n{rows}</dl>\n")
@@ -65,7 +84,8 @@ pub fn error_rows(evaluation: &Evaluation) -> Vec<(&'static str, &'static str, S
 
 /// The error measures, where the truth is known, and the contact residual.
 pub(super) fn errors(input: &ReportInput) -> String {
-    let residual = ("contact residual of all touches", "mm", input.residual);
+    let residual = touch_misses(&input.session.agent, input.schema, input.touches);
+    let residual = ("contact residual of all touches", "mm", residual);
     let rows = input.evaluation.map_or(Vec::new(), error_rows);
     let table = summaries(rows.into_iter().chain([residual])).html("errors");
     let Some(evaluation) = input.evaluation else {
@@ -97,20 +117,19 @@ pub fn bound_in_words(bound: &CramerRaoBound) -> String {
 
 /// What the touches leave open, in sentences.
 pub(super) fn undetermined(input: &ReportInput) -> String {
-    if input.converged == Some(false) {
+    if input.converged() == Some(false) {
         return "<p>All joints: no held-out touches confirm the schema, so no bounds can be given.</p>\n"
             .into();
     }
     let listed = |names: &[String]| escape(&names.join(", "));
-    let joints = input.agent.creature().joints();
-    let open = input.undetermined.iter().filter_map(|&j| joints.get(j));
-    let open: Vec<String> = open.map(|joint| joint.name.clone()).collect();
+    let joints = input.session.agent.creature().joints();
+    let open = &input.record.undetermined;
     let mut html = match open.len() {
         0 => "<p>No joint is undetermined.</p>\n".to_string(),
         count => format!(
             "<p>The touches do not determine {count} of {}: {}. Their positions are guesses.</p>\n",
             plural(joints.len(), "joint"),
-            listed(&open)
+            listed(open)
         ),
     };
     let limbs = &input.record.undetermined_limbs;
@@ -125,7 +144,7 @@ pub(super) fn undetermined(input: &ReportInput) -> String {
             .iter()
             .map(|words| format!("<li>{}</li>\n", escape(words)))
             .collect();
-        let all_located = input.undetermined.is_empty() && limbs.is_empty();
+        let all_located = open.is_empty() && limbs.is_empty();
         let title = match all_located {
             true => {
                 "Unobservable, but without effect on the positions of located limbs relative to each other:"
@@ -157,18 +176,19 @@ pub(super) fn limbs(input: &ReportInput) -> String {
     format!(
         "{}<p class=\"note\">95 % bounds on the surface error of each limb, in the frames of the other limbs \
          located relative to it: the best and the worst of these frames. A dash means no bound.{note}</p>\n",
-        limb_table(account, input.agent.creature()).html("limbs")
+        limb_table(account, input.session.agent.creature()).html("limbs")
     )
 }
 
 /// The table of joints: a row per degree of freedom, the first of which has the numbers of the joint.
 pub(super) fn joints(input: &ReportInput) -> String {
-    let creature = input.agent.creature();
-    let [involved, _] = touches_across(input.agent, input.touches);
-    let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, input.undetermined, &[]));
+    let creature = input.session.agent.creature();
+    let undetermined = input.undetermined();
+    let [involved, _] = touches_across(&input.session.agent, input.touches);
+    let errors = input.truth.map(|truth| axis_errors(creature, truth, input.schema, &undetermined, &[]));
     let mut rows = Vec::new();
     for (j, joint) in creature.joints().iter().enumerate() {
-        let determined = if input.undetermined.contains(&j) { "no" } else { "yes" };
+        let determined = if undetermined.contains(&j) { "no" } else { "yes" };
         let limb = creature.limbs()[joint.parent].clone();
         let position = input.schema.positions[j].iter().map(|x| coordinate(1e3 * x, 1));
         let std = input.std.map(|std| std.positions[j].map(|m| error_number(1e3 * m.unwrap_or(f64::NAN))));

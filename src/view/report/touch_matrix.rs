@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use super::ReportInput;
 use crate::agent::Agent;
-use crate::named::in_words;
+use crate::named::{in_words, plural};
 use crate::senses::RecordedTouch;
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
 use crate::view::figure;
-use crate::view::text::touches;
 
 /// A matrix of at most so many limbs has room for its counts.
 const ROOM: usize = 24;
@@ -19,8 +18,8 @@ const LIGHTEST: f64 = 0.14;
 
 /// The lower half of the matrix of aura limbs × aura limbs.
 pub(super) fn figure_of(input: &ReportInput) -> String {
-    let auras = input.agent.creature().aura_limbs();
-    let counts = counts(input.agent, input.touches);
+    let auras = input.session.agent.creature().aura_limbs();
+    let counts = counts(&input.session.agent, input.touches);
     let mut of_limbs = vec![0; auras.len()];
     counts.iter().for_each(|(&[a, b], &count)| {
         of_limbs[a] += count;
@@ -47,7 +46,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             to: [x + 0.47, y + 0.47],
             opacity: shade(count),
             text: if n <= ROOM { count.to_string() } else { String::new() },
-            says: format!("{}, {}: {}", names[i], names[j], touches(count)),
+            says: format!("{}, {}: {}", names[i], names[j], plural(count, "touch")),
         });
     }
     let names = || Scale::Names(names.clone());

@@ -89,9 +89,7 @@ fn facts(found: &Calibration, kind: &str) -> String {
     if noise.joint > 0.0 {
         facts.push(("encoder noise, °", error_number(noise.joint.to_degrees())));
     }
-    let facts: Vec<(String, String)> =
-        facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
-    definitions(&facts)
+    definitions(facts.into_iter().map(|(name, value)| (name.to_string(), value)))
 }
 
 fn misses(found: &Calibration) -> String {
