@@ -9,13 +9,11 @@ use nalgebra::{Point3, Vector3};
 
 use super::{Skin, Surface};
 use crate::creature::{AuraLimb, Body, Creature};
-use crate::geometry::{Ball, Capsule, Frame, Shape, directions};
+use crate::geometry::{Ball, Capsule, Frame, Shape};
 use crate::mujoco::AURA_GEOM;
 
 /// How far an aura reaches beyond its limb, metres: an object of 1 m/s is noticed a third of a second before.
 pub const AURA_REACH: f64 = 0.35;
-/// Directions in which the outline of a surface is looked at.
-const DIRECTIONS: usize = 48;
 
 /// The proximity geometry of one aura limb: a capsule in the frame of one of its limbs.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,8 +89,9 @@ pub fn grow_aura(creature: &Creature, skin: &Skin, frames: &[Frame]) -> Vec<Prox
 
 /// Points of the surfaces of some limbs that are farthest in some directions, in the frame of `limb`.
 fn outline(limbs: &[usize], skin: &Skin, frames: &[Frame], limb: usize) -> Vec<Vector3<f64>> {
+    let directions = directions();
     let of_surface = |surface: &Surface| -> Vec<Vector3<f64>> {
-        let farthest = directions(DIRECTIONS).filter_map(|direction| surface.support(&direction));
+        let farthest = directions.iter().filter_map(|direction| surface.support(direction));
         farthest.map(|p| frames[limb].inverse_point(&frames[surface.limb].point(&p))).collect()
     };
     let surfaces = skin.surfaces.iter().filter(|surface| limbs.contains(&surface.limb));
@@ -114,13 +113,29 @@ fn girth(limbs: &[usize], skin: &Skin, frames: &[Frame], limb: usize, about: &Ca
                 Some(of_ball(a, capsule.radius).max(of_ball(b, capsule.radius)))
             }
             None => {
-                let points = directions(DIRECTIONS).filter_map(|direction| surface.support(&direction));
+                let points = directions().into_iter().filter_map(|direction| surface.support(&direction));
                 points.map(|point| of_ball(there.point(&point), 0.0)).reduce(f64::max)
             }
         }
     };
     let surfaces = skin.surfaces.iter().filter(|surface| limbs.contains(&surface.limb));
     surfaces.filter_map(of_surface).reduce(f64::max)
+}
+
+/// Directions all round, alike on all sides and along no axis, which shapes have their own along: there two points would be
+/// as far, of which one is told.
+fn directions() -> Vec<Vector3<f64>> {
+    const ORDERS: [[f64; 3]; 6] = [
+        [3.0, 2.0, 1.0],
+        [3.0, 1.0, 2.0],
+        [2.0, 3.0, 1.0],
+        [2.0, 1.0, 3.0],
+        [1.0, 3.0, 2.0],
+        [1.0, 2.0, 3.0],
+    ];
+    let sign = |octant: usize, k: usize| if octant >> k & 1 == 0 { 1.0 } else { -1.0 };
+    let of_octant = |octant: usize| ORDERS.map(|order| Vector3::from_fn(|k, _| sign(octant, k) * order[k]));
+    (0..8).flat_map(of_octant).collect()
 }
 
 /// A body of the model that bears a proximity geometry, and the capsule in that body's frame.

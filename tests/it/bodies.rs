@@ -168,7 +168,7 @@ fn a_touch_of_limbs_that_hardly_move_is_in_the_posture_of_its_motion() {
     let row = studied("42108", "default", ["--touches", "250"]);
     // A motion between two that touch already was once an error, after which no touch came.
     assert_eq!(row["reason"], "", "{row}");
-    assert!(row["touches"].as_u64().unwrap() > 500, "{row}");
+    assert!(row["claims"].as_u64().unwrap() >= 60, "{row}");
 }
 
 mod slow {
