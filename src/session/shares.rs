@@ -214,7 +214,7 @@ pub(crate) fn difference(one: &Value, other: &Value) -> Option<String> {
     one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
         same if same == value => None,
         inner if value.is_object() && inner.is_object() => difference(value, inner),
-        another => Some(format!("{name} {value} against {name} {another}")),
+        another => Some(format!("{name} is {value} in one, {another} in the other")),
     })
 }
 

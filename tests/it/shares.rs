@@ -267,7 +267,7 @@ fn trials_that_are_missing_are_named_by_their_shares_and_only_they_are_made() {
     let other =
         ["study", "learners", "arms.xml", "--trials", "5", "--seed", "8", "--touches", "12", "--out", "out"];
     let message = refused(place, 1, &[&other[..], &["--shard", "1/2"]].concat());
-    assert!(message.contains("seed 7 against seed 8") && message.contains("--out"), "{message}");
+    assert!(message.contains("seed is 7") && message.contains("--out"), "{message}");
     succeeds(place, &["study", "merge", "out"]);
     succeeds(place, &study("learners", &["one"]));
     assert_eq!(found(place, "one"), found(place, "out"));
