@@ -9,7 +9,7 @@
 //! A part is accepted when the surfaces of its touches meet, within the patches that felt them and on their outside;
 //! when every touch that it rests on is checked by others (Baarda's reliability, "A Testing Procedure for Use in
 //! Geodetic Networks", 1968); and when all that was closed before stays closed. Of touches in which only a few coordinates
-//! move, which any smooth curve explains, those count that make a condition of their own ([`conditions`]).
+//! move, which any smooth curve explains, those count that make a condition of their own (`conditions`).
 
 mod acceptance;
 mod believing;
