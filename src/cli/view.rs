@@ -52,7 +52,7 @@ pub fn run(args: &ViewArguments) -> Outcome {
     let place = live::Place::new(args.live, !args.no_open && std::io::stdin().is_terminal())?;
     let what = if args.what.is_empty() { newest()? } else { args.what.clone() };
     let all = what.iter().map(|one| looked_at(one, args)).collect::<Result<Vec<LookedAt>, Failure>>()?;
-    live::look(LookingView(all), place)
+    live::look(LookingView::new(all), place)
 }
 
 /// The newest sessions of the usual folder.

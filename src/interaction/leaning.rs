@@ -29,8 +29,8 @@ impl Actor {
         0.5 * (of(0) + of(1))
     }
 
-    /// A posture with the trunk bent as far as it goes, joint by joint from the hips, each to the end of its range where a
-    /// distance is greatest, metres. A joint that gains nothing stays.
+    /// A posture with the trunk bent joint by joint from the hips, each to the end of its range where a distance is greatest,
+    /// metres. A joint that gains nothing stays.
     pub(super) fn bent(&self, from: &[f64], distance: impl Fn(&[Frame]) -> f64) -> Posture {
         let mut bent = Posture::from(from);
         for joint in self.trunk() {

@@ -17,7 +17,7 @@ use crate::schema::BodySchema;
 
 const STAMP: Stamp = Stamp { format: "bodyschema learning", version: 1 };
 
-/// What a fact is called that tells of a change of the body.
+/// The name of a fact that reports a change of the body.
 pub(super) const CHANGE: &str = "change";
 
 /// What learning from a session's touches came to.

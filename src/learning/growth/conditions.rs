@@ -1,9 +1,9 @@
-//! Which touches tell what those before them did not.
+//! Which touches are conditions of their own for an answer.
 //!
-//! Between two limbs the pose of one in the other's frame is linear in `1, cos θ, sin θ` of every hinge between them, in `1, s` of
-//! every slide, and in a ball's rotation matrix: in the products of these, one of each joint. However many touches there are, an
-//! answer need not meet more conditions than these products are independent in their postures: a finger that bends on one hinge
-//! makes three, and any smooth curve explains the rest.
+//! The pose of one limb in another's frame is linear in `1, cos θ, sin θ` of every hinge between them, in `1, s` of every slide, and
+//! in a ball's rotation matrix: in the products of these factors, one of each joint. However many touches there are, an answer meets
+//! no more conditions than these products are independent in their postures: a finger that bends on one hinge makes three, and any
+//! smooth curve explains the rest.
 
 use nalgebra::DVector;
 
@@ -11,28 +11,24 @@ use crate::creature::{DofElement, DofKind, ball};
 
 /// Products beyond which touches are not compared: nobody makes so many touches of two limbs with the same joints moving.
 const MOST_PRODUCTS: usize = 100;
-/// A touch tells something new where its products are off by this share from all combinations of those before: an answer that meets
-/// those by chance misses it by more than what counts as closed.
+/// The least share by which a touch's products differ from all combinations of those before for a new condition: an answer that
+/// meets those by chance then misses it by more than what counts as closed.
 const NEW: f64 = 1e-3;
 
-/// What touches of two limbs tell in which the same joints move.
+/// The conditions that touches of two limbs make in which the same joints move.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Conditions {
-    /// How many touches there were, and how many of them told something new.
+    /// How many touches there were, and how many of them made a new condition.
     pub touches: usize,
     pub new: usize,
     /// The products of these, as orthonormal vectors.
-    told: Vec<DVector<f64>>,
+    products: Vec<DVector<f64>>,
 }
 
 impl Conditions {
-    /// Takes in a touch in whose posture some elements of joints moved; whether it tells something new.
-    pub fn take<'a>(
-        &mut self,
-        elements: impl Iterator<Item = DofElement<'a>> + Clone,
-        posture: &[f64],
-    ) -> bool {
-        let is_new = most(elements.clone()) > MOST_PRODUCTS || self.add(products(elements, posture));
+    /// Takes in a touch by the factors of its posture; whether it makes a new condition.
+    pub fn take(&mut self, factors: &[Vec<f64>]) -> bool {
+        let is_new = most(factors) > MOST_PRODUCTS || self.add(products(factors));
         self.touches += 1;
         self.new += usize::from(is_new);
         is_new
@@ -42,46 +38,45 @@ impl Conditions {
         let size = products.norm();
         let mut left = products;
         // Twice, for rounding.
-        for told in self.told.iter().chain(&self.told) {
-            left.axpy(-told.dot(&left), told, 1.0);
+        for before in self.products.iter().chain(&self.products) {
+            left.axpy(-before.dot(&left), before, 1.0);
         }
         let is_new = left.norm() > NEW * size;
         if is_new {
-            self.told.push(left.normalize());
+            self.products.push(left.normalize());
         }
         is_new
     }
 }
 
-/// How many conditions touches can make in which some elements of joints move: as many as these have products.
-pub(super) fn most<'a>(elements: impl Iterator<Item = DofElement<'a>>) -> usize {
-    let factors = |at: DofElement| match at.kind {
-        DofKind::Hinge => 3,
-        DofKind::Slide => 2,
-        DofKind::Ball => 10,
-    };
-    elements.map(factors).fold(1, usize::saturating_mul)
+/// The factors of an element of a joint in a posture.
+pub(super) fn factors(at: DofElement, posture: &[f64]) -> Vec<f64> {
+    match at.kind {
+        DofKind::Hinge => {
+            let (sine, cosine) = at.of(posture)[0].sin_cos();
+            vec![1.0, cosine, sine]
+        }
+        DofKind::Slide => {
+            let range = at.range[0].abs().max(at.range[1].abs()).max(f64::MIN_POSITIVE);
+            vec![1.0, at.of(posture)[0] / range]
+        }
+        DofKind::Ball => {
+            let turned = ball(at.of(posture)).to_rotation_matrix();
+            std::iter::once(1.0).chain(turned.matrix().iter().copied()).collect()
+        }
+    }
 }
 
-/// The products of a posture.
-fn products<'a>(elements: impl Iterator<Item = DofElement<'a>>, posture: &[f64]) -> DVector<f64> {
+/// How many conditions touches with such factors can make: as many as there are products.
+pub(super) fn most(factors: &[Vec<f64>]) -> usize {
+    factors.iter().map(Vec::len).fold(1, usize::saturating_mul)
+}
+
+/// The products of factors, one of each element.
+fn products(factors: &[Vec<f64>]) -> DVector<f64> {
     let mut products = vec![1.0];
-    for at in elements {
-        let factors = match at.kind {
-            DofKind::Hinge => {
-                let (sine, cosine) = at.of(posture)[0].sin_cos();
-                vec![1.0, cosine, sine]
-            }
-            DofKind::Slide => {
-                let range = at.range[0].abs().max(at.range[1].abs()).max(f64::MIN_POSITIVE);
-                vec![1.0, at.of(posture)[0] / range]
-            }
-            DofKind::Ball => {
-                let turned = ball(at.of(posture)).to_rotation_matrix();
-                std::iter::once(1.0).chain(turned.matrix().iter().copied()).collect()
-            }
-        };
-        products = products.iter().flat_map(|one| factors.iter().map(move |other| one * other)).collect();
+    for own in factors {
+        products = products.iter().flat_map(|one| own.iter().map(move |other| one * other)).collect();
     }
     DVector::from_vec(products)
 }
@@ -108,7 +103,8 @@ mod tests {
         for _ in 0..touches {
             let posture: Vec<f64> =
                 kinds.iter().map(|kind| rng.random_range(range(*kind)[0]..range(*kind)[1])).collect();
-            conditions.take(creature.elements(), &posture);
+            let factors: Vec<Vec<f64>> = creature.elements().map(|at| factors(at, &posture)).collect();
+            conditions.take(&factors);
         }
         conditions
     }
@@ -128,8 +124,8 @@ mod tests {
     fn the_same_posture_is_no_new_condition() {
         let creature_of_one = &[DofKind::Hinge; 4];
         let mut found = conditions(creature_of_one, 5);
-        let told = found.told.clone();
-        assert!(told.into_iter().all(|products| !found.add(products)));
-        assert_eq!(found.told.len(), 5);
+        let before = found.products.clone();
+        assert!(before.into_iter().all(|products| !found.add(products)));
+        assert_eq!(found.products.len(), 5);
     }
 }

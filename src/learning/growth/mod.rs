@@ -119,7 +119,7 @@ pub struct Growth {
     /// Whether a first part is looked for in haste.
     hurries: bool,
     touches: Vec<GrownTouch>,
-    /// What those tell that are between the same limbs with the same joints moving.
+    /// The conditions that those make that are between the same limbs with the same joints moving.
     conditions: BTreeMap<([usize; 2], Vec<usize>), Conditions>,
     /// Per joint, how far the skin that it carries may be from it at the most, metres.
     reach: Vec<f64>,
@@ -195,10 +195,9 @@ impl Growth {
         let (limbs, prepared) = felt.prepare(creature);
         let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
         let elements = told.moving.iter().flat_map(|&joint| creature.joints()[joint].elements());
+        let factors: Vec<Vec<f64>> = elements.map(|at| conditions::factors(at, &touch.posture)).collect();
         let conditions = self.conditions.entry((limbs, told.moving.clone())).or_default();
-        let is_new = conditions.take(elements.clone(), &touch.posture);
-        let most = conditions::most(elements.clone()) as f64;
-        let moves_alone = elements.count() < 2;
+        let is_new = conditions.take(&factors);
         let alike = if is_new { conditions.new } else { conditions.touches };
         let unresolved: Vec<usize> =
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
@@ -206,8 +205,8 @@ impl Growth {
         // Many touches that are alike are one wrong answer's majority; what moves by one coordinate meets in one place.
         let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize)
             || told.moving.is_empty()
-            || !is_new && moves_alone;
-        let suffices = most >= PATIENT.touches * self.width(&told.moving) as f64;
+            || !is_new && factors.len() < 2;
+        let suffices = conditions::most(&factors) as f64 >= PATIENT.touches * self.width(&told.moving) as f64;
         let told = Arc::new(told);
         self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;
@@ -361,7 +360,7 @@ impl Growth {
         }
     }
 
-    /// Whether others before it tell as much as a touch: of joints that are not known, all that it tells is what is new in it.
+    /// Whether a touch is redundant: there are enough like it, or it makes no new condition for joints that are not known.
     pub fn is_spare(&self, touch: &GrownTouch) -> bool {
         touch.spare || !touch.is_new && touch.told.moving.iter().any(|&joint| !self.resolved[joint])
     }
@@ -377,19 +376,10 @@ impl Growth {
         grown
     }
 
-    /// Learns all that is left as one part: touches in which everything moves tell of nothing smaller.
+    /// Learns all that is left as one part: touches in which everything moves determine nothing smaller.
     fn grow_rest(&mut self) -> bool {
-        let touches = self.touches.iter().filter(|touch| !self.is_spare(touch));
-        let mut part = Part::default();
-        for lacking in touches.map(|touch| self.lacks(touch)) {
-            part.joints.extend(lacking.joints);
-            part.limbs.extend(lacking.limbs);
-        }
-        for members in [&mut part.joints, &mut part.limbs] {
-            members.sort_unstable();
-            members.dedup();
-        }
         let before = self.known();
+        let part = self.all_lacking();
         let enough = |problem: &PartProblem| problem.numbers.len() >= problem.unit.len();
         let Some(problem) = self.part_problem(&part).filter(enough) else { return false };
         let starts = if self.belief.is_some() { STARTS } else { first_starts(&problem, PATIENT).max(STARTS) };

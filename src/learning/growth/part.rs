@@ -31,8 +31,9 @@ pub struct GrownTouch {
     pub(super) is_new: bool,
     /// Whether touches like it can make as many conditions as it takes to learn the joints that moved where nothing is known.
     pub suffices: bool,
-    /// Whether there were enough like it already: nothing is learned from it.
-    pub spare: bool,
+    /// Whether nothing is learned from it: there were enough like it already, or nothing moved between its limbs, or a single
+    /// coordinate did and made no new condition.
+    pub(super) spare: bool,
     /// How much was known when it was found not to agree with what is believed.
     pub(super) refused: Option<usize>,
 }
@@ -125,6 +126,15 @@ impl Growth {
     pub(super) fn is_of(&self, touch: &GrownTouch, part: &Part) -> bool {
         let lacks = self.lacks(touch);
         !self.is_spare(touch) && !lacks.is_nothing() && part.holds(&lacks)
+    }
+
+    /// All joints and limbs that touches lack.
+    pub(super) fn all_lacking(&self) -> Part {
+        let creature = self.agent.creature();
+        let (joints, limbs) = (creature.joints().len(), creature.limbs().len());
+        let touches = self.touches.iter().filter(|touch| !self.is_spare(touch));
+        let lacking = touches.map(|touch| PartBits::of(&self.lacks(touch), joints, limbs));
+        lacking.reduce(|all, other| all.with(&other)).map_or_else(Part::default, |all| all.part(joints))
     }
 
     /// The parts with so many touches per unknown at the least, the most promising first, with their touches.

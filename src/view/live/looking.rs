@@ -42,7 +42,11 @@ pub struct LookedAt {
 }
 
 /// Sessions and models to look at. It keeps nothing of what a browser looks at: each has its own.
-pub struct LookingView(pub Vec<LookedAt>);
+pub struct LookingView {
+    all: Vec<LookedAt>,
+    /// How far each reaches from its root, metres.
+    extents: Vec<f64>,
+}
 
 /// What a browser looks at.
 struct Looking<'a> {
@@ -55,12 +59,19 @@ struct Looking<'a> {
     posture: Posture,
     /// The limb that was clicked last.
     limb: Option<usize>,
+    /// How far aside along y the other body stands, metres.
+    aside: f64,
 }
 
 impl LookingView {
+    /// A view of one or more.
+    pub fn new(all: Vec<LookedAt>) -> LookingView {
+        LookingView { extents: all.iter().map(|looked| extent(&looked.agent, &looked.schema)).collect(), all }
+    }
+
     /// What is asked for; `None` if there is no such thing.
     fn looking(&self, asked: &ShowRequest) -> Option<Looking<'_>> {
-        let numbered = |number: usize| Some((number, self.0.get(number)?));
+        let numbered = |number: usize| Some((number, self.all.get(number)?));
         let shown @ (_, LookedAt { agent, touches, .. }) = numbered(asked.session)?;
         let beside = match asked.beside {
             Some(beside) => Some(numbered(beside)?),
@@ -79,7 +90,8 @@ impl LookingView {
             Some(clicked) => Some(agent.skin().receptors.get(clicked)?.limb),
             None => None,
         };
-        Some(Looking { shown, beside, touch, posture, limb })
+        let aside = beside.map_or(0.0, |(beside, _)| APART * (self.extents[shown.0] + self.extents[beside]));
+        Some(Looking { shown, beside, touch, posture, limb, aside })
     }
 
     /// What a page's address asks for, as in `session=2&beside=0`: the first one, and where there are two the other beside it,
@@ -88,7 +100,7 @@ impl LookingView {
         let given = |name: &str| query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='));
         let session = given("session").map_or(Some(0), |number| number.parse().ok())?;
         let beside = match given("beside") {
-            None => (self.0.len() == 2 && session == 0).then_some(1),
+            None => (self.all.len() == 2 && session == 0).then_some(1),
             Some("") => None,
             Some(number) => Some(number.parse().ok()?),
         };
@@ -102,14 +114,14 @@ impl LookingView {
             format!("<option value=\"{value}\"{selected}>{}</option>", escape(name))
         };
         let all = |chosen: Option<usize>| -> String {
-            let all = self.0.iter().enumerate();
+            let all = self.all.iter().enumerate();
             all.map(|(k, looked)| option(&k.to_string(), chosen == Some(k), &looked.name)).collect()
         };
         let choice = |id: &str, says: &str, options: String| {
             format!("<label>{says} <select id=\"{id}\" autocomplete=\"off\">{options}</select></label>\n")
         };
         let mut html = String::new();
-        if self.0.len() > 1 {
+        if self.all.len() > 1 {
             let beside = option("", false, "nothing") + &all(looking.beside.map(|(number, _)| number));
             let choices = choice("shown", "shown:", all(Some(looking.shown.0)))
                 + &choice("beside", "beside it:", beside);
@@ -138,12 +150,6 @@ impl LookingView {
 }
 
 impl Looking<'_> {
-    /// How far aside along y the other body stands, metres.
-    fn aside(&self) -> f64 {
-        let extent = |looked: &LookedAt| extent(&looked.agent, &looked.schema);
-        self.beside.map_or(0.0, |(_, other)| APART * (extent(self.shown.1) + extent(other)))
-    }
-
     /// The poses of all that is shown.
     fn poses(&self) -> Vec<(&'static str, Pose)> {
         let LookedAt { agent, schema, truth, .. } = self.shown.1;
@@ -155,7 +161,7 @@ impl Looking<'_> {
             // What moves otherwise cannot be in the same posture.
             let posture =
                 if same_tree(creature, own) { self.posture.clone() } else { own.reference_posture() };
-            let aside = Vector3::y() * self.aside();
+            let aside = Vector3::y() * self.aside;
             poses.push(("other", Pose::new(own, &other.schema, &posture).moved(&aside)));
         }
         poses
@@ -219,7 +225,7 @@ impl LivePage for LookingView {
             scene.add(BESIDE, "other", other.agent.skin(), other.appearance.as_ref());
         }
         scene.poses = looking.poses();
-        scene.room = room(extent(agent, &shown.schema), looking.aside());
+        scene.room = room(self.extents[number], looking.aside);
         let caption = "Click a limb to see how well it is located. Drag or use the arrow keys to rotate; Ctrl and the wheel zoom.";
         let body = scene.figure("The selected body", HEIGHT, "", caption);
         let content = format!(
