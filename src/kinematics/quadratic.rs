@@ -6,8 +6,8 @@
 //! where  a_i · x ≥ b_i or = b_i, and low ≤ x ≤ high
 //! ```
 //!
-//! Its dual is solved by an interior-point method (Clarabel: Goulart and Chen 2024). It has as many variables as there are
-//! conditions that matter, mostly few or none, each between 0 and the condition's price.
+//! It is solved by an interior-point method (Clarabel: Goulart and Chen 2024), with a variable more for each condition that may
+//! be missed: the few variables make the normal equations of hundreds of conditions small.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// By how much a condition may be missed.
 const TOLERANCE: f64 = 1e-7;
-/// How exact the dual program is.
+/// How exact the solver is.
 const EXACT: f64 = 1e-9;
 
 /// A weighted sum of the variables that is to be so much at least, or exactly so much.
@@ -61,95 +61,108 @@ impl Condition {
     }
 }
 
+/// `Σ entries · variables ≤ most`, of a condition or not.
+struct Row {
+    entries: Vec<(usize, f64)>,
+    most: f64,
+    /// The condition, and which way it is pushed by.
+    pushes: Option<(usize, f64)>,
+}
+
 impl QuadraticProgram {
     /// Solves it; `None` if the solver fails.
     pub fn solve(&self) -> Option<Optimum> {
-        let size = self.slope.len();
-        let factor = self.curvature.clone().cholesky()?;
-        let free = factor.solve(&-&self.slope);
-        let bound = |k: usize, sign: f64, least: f64| {
-            let mut coefficients = DVector::zeros(size);
-            coefficients[k] = sign;
-            Condition { coefficients, least, exactly: false, price: f64::INFINITY }
-        };
-        let bounds = self.bounds.iter().enumerate();
-        let bounds: Vec<Condition> =
-            bounds.flat_map(|(k, [low, high])| [bound(k, 1.0, *low), bound(k, -1.0, -high)]).collect();
-        let rows: Vec<&Condition> = self.conditions.iter().chain(&bounds).collect();
+        let free = self.curvature.clone().cholesky()?.solve(&-&self.slope);
+        let within = |(x, [low, high]): (&f64, &[f64; 2])| (low..=high).contains(&x);
+        let mut found = Optimum { x: free, multipliers: vec![0.0; self.conditions.len()] };
+        let mut is_within = found.x.iter().zip(&self.bounds).all(within);
         // Few conditions ever matter: those that are missed without them are asked for, until none is.
         let mut asked: Vec<usize> = Vec::new();
-        let mut pushes = DMatrix::zeros(size, 0);
-        let (mut x, mut forces) = (free.clone(), DVector::zeros(0));
         loop {
+            let missed =
+                |k: &usize| !asked.contains(k) && self.conditions[*k].missed_by(&found.x) > TOLERANCE;
+            // Beyond the bounds others are missed than within.
+            let news = (0..self.conditions.len()).filter(|k| is_within && missed(k));
             let known = asked.len();
-            let missed = |row: &usize| !asked.contains(row) && rows[*row].missed_by(&x) > TOLERANCE;
-            let news: Vec<usize> = (0..rows.len()).filter(missed).collect();
-            asked.extend(news);
-            if asked.len() == known {
-                break;
+            asked.extend(news.collect::<Vec<usize>>());
+            if is_within && asked.len() == known {
+                return Some(found);
             }
-            pushes = pushes.resize_horizontally(asked.len(), 0.0);
-            for (k, &row) in asked.iter().enumerate().skip(known) {
-                pushes.set_column(k, &factor.solve(&rows[row].coefficients));
+            (found, is_within) = (self.solve_asking(&asked)?, true);
+        }
+    }
+
+    /// The same where no others are asked for than some of the conditions.
+    fn solve_asking(&self, asked: &[usize]) -> Option<Optimum> {
+        let size = self.slope.len();
+        let mut slope: Vec<f64> = self.slope.iter().copied().collect();
+        let (mut equal, mut rows) = (Vec::new(), Vec::new());
+        for &k in asked {
+            let condition = &self.conditions[k];
+            let row = |sign: f64| -> Row {
+                let entries = condition.coefficients.iter().enumerate().map(|(i, a)| (i, sign * a));
+                Row { entries: entries.collect(), most: sign * condition.least, pushes: Some((k, -sign)) }
+            };
+            let mut own = vec![row(-1.0)];
+            if condition.price.is_infinite() {
+                if condition.exactly { &mut equal } else { &mut rows }.append(&mut own);
+                continue;
             }
-            let of: Vec<&Condition> = asked.iter().map(|&row| rows[row]).collect();
-            forces = dual(&of, &pushes, &free)?;
-            x = &free + &pushes * &forces;
+            if condition.exactly {
+                own.push(row(1.0));
+            }
+            // By how much it is missed is a variable more.
+            let missed = (slope.len(), -1.0);
+            slope.push(condition.price);
+            own.iter_mut().for_each(|row| row.entries.push(missed));
+            rows.extend(own);
+            rows.push(Row { entries: vec![missed], most: 0.0, pushes: None });
         }
-        let mut multipliers = vec![0.0; rows.len()];
-        asked.iter().zip(forces.iter()).for_each(|(&row, force)| multipliers[row] = *force);
-        multipliers.truncate(self.conditions.len());
-        for (x, [low, high]) in x.iter_mut().zip(&self.bounds) {
-            *x = x.clamp(*low, *high);
+        for (k, [low, high]) in self.bounds.iter().enumerate() {
+            rows.push(Row { entries: vec![(k, -1.0)], most: -low, pushes: None });
+            rows.push(Row { entries: vec![(k, 1.0)], most: *high, pushes: None });
         }
-        Some(Optimum { x, multipliers })
+        let cones = [SupportedConeT::ZeroConeT(equal.len()), SupportedConeT::NonnegativeConeT(rows.len())];
+        rows.splice(0..0, equal);
+        // Of the curvature the upper triangle is wanted.
+        let places = (0..size).flat_map(|j| (0..=j).map(move |i| (i, j, self.curvature[(j, i)])));
+        let objective = sparse((slope.len(), slope.len()), places);
+        let entries = rows.iter().enumerate();
+        let entries = entries.flat_map(|(i, row)| row.entries.iter().map(move |&(j, a)| (i, j, a)));
+        let matrix = sparse((rows.len(), slope.len()), entries);
+        let limits: Vec<f64> = rows.iter().map(|row| row.most).collect();
+        let settings = DefaultSettings {
+            verbose: false,
+            presolve_enable: false,
+            tol_gap_abs: EXACT,
+            tol_gap_rel: EXACT,
+            tol_feas: EXACT,
+            ..DefaultSettings::default()
+        };
+        let mut solver = DefaultSolver::new(&objective, &slope, &matrix, &limits, &cones, settings).ok()?;
+        solver.solve();
+        let solution = &solver.solution;
+        if !matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+            return None;
+        }
+        let within = solution.x.iter().zip(&self.bounds).map(|(x, [low, high])| x.clamp(*low, *high));
+        let mut multipliers = vec![0.0; self.conditions.len()];
+        for (row, force) in rows.iter().zip(&solution.z) {
+            row.pushes.iter().for_each(|&(k, sign)| multipliers[k] += sign * force);
+        }
+        Some(Optimum { x: DVector::from_iterator(size, within), multipliers })
     }
 }
 
-/// How hard each of some conditions has to push from the least of the objective, `free`. `pushes` has in its columns where
-/// the variables go by a unit's push of each.
-fn dual(rows: &[&Condition], pushes: &DMatrix<f64>, free: &DVector<f64>) -> Option<DVector<f64>> {
-    let size = rows.len();
-    let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
-    for j in 0..size {
-        for (i, row) in rows.iter().enumerate().take(j + 1) {
-            indices.push(i);
-            values.push(row.coefficients.dot(&pushes.column(j)));
-        }
-        starts.push(indices.len());
+/// A matrix of so many rows and columns by its entries.
+fn sparse((rows, columns): (usize, usize), entries: impl Iterator<Item = (usize, usize, f64)>) -> CscMatrix {
+    let (mut is, mut js, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, j, value) in entries {
+        is.push(i);
+        js.push(j);
+        values.push(value);
     }
-    let objective = CscMatrix::new(size, size, starts, indices, values);
-    let linear: Vec<f64> = rows.iter().map(|row| row.coefficients.dot(free) - row.least).collect();
-    // Forces lie between 0, or less the price, and the price.
-    let (mut starts, mut indices, mut values, mut limits) = (vec![0], Vec::new(), Vec::new(), Vec::new());
-    for row in rows {
-        let low = if row.exactly { -row.price } else { 0.0 };
-        for (sign, limit) in [(-1.0, -low), (1.0, row.price)] {
-            if limit.is_finite() {
-                indices.push(limits.len());
-                values.push(sign);
-                limits.push(limit);
-            }
-        }
-        starts.push(indices.len());
-    }
-    let constraints = CscMatrix::new(limits.len(), size, starts, indices, values);
-    let settings = DefaultSettings {
-        verbose: false,
-        presolve_enable: false,
-        tol_gap_abs: EXACT,
-        tol_gap_rel: EXACT,
-        tol_feas: EXACT,
-        ..DefaultSettings::default()
-    };
-    let cones = [SupportedConeT::NonnegativeConeT(limits.len())];
-    let mut solver = DefaultSolver::new(&objective, &linear, &constraints, &limits, &cones, settings).ok()?;
-    solver.solve();
-    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    let within = |(force, row): (&f64, &&Condition)| {
-        force.clamp(if row.exactly { -row.price } else { 0.0 }, row.price)
-    };
-    solved.then(|| DVector::from_iterator(size, solver.solution.x.iter().zip(rows).map(within)))
+    CscMatrix::new_from_triplets(rows, columns, is, js, values)
 }
 
 #[cfg(test)]
