@@ -74,21 +74,21 @@ impl QuadraticProgram {
     pub fn solve(&self) -> Option<Optimum> {
         let free = self.curvature.clone().cholesky()?.solve(&-&self.slope);
         let within = |(x, [low, high]): (&f64, &[f64; 2])| (low..=high).contains(&x);
-        let mut found = Optimum { x: free, multipliers: vec![0.0; self.conditions.len()] };
-        let mut is_within = found.x.iter().zip(&self.bounds).all(within);
         // Few conditions ever matter: those that are missed without them are asked for, until none is.
         let mut asked: Vec<usize> = Vec::new();
+        let mut found = match free.iter().zip(&self.bounds).all(within) {
+            true => Optimum { x: free, multipliers: vec![0.0; self.conditions.len()] },
+            false => self.solve_asking(&asked)?,
+        };
         loop {
             let missed =
                 |k: &usize| !asked.contains(k) && self.conditions[*k].missed_by(&found.x) > TOLERANCE;
-            // Beyond the bounds others are missed than within.
-            let news = (0..self.conditions.len()).filter(|k| is_within && missed(k));
-            let known = asked.len();
-            asked.extend(news.collect::<Vec<usize>>());
-            if is_within && asked.len() == known {
+            let news: Vec<usize> = (0..self.conditions.len()).filter(missed).collect();
+            if news.is_empty() {
                 return Some(found);
             }
-            (found, is_within) = (self.solve_asking(&asked)?, true);
+            asked.extend(news);
+            found = self.solve_asking(&asked)?;
         }
     }
 

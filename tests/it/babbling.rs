@@ -382,12 +382,12 @@ fn no_contact_of_very_many_limbs_is_jumped_over() {
     }
 }
 
-mod slow {
+mod large {
     use super::*;
 
     /// The creatures of `mjcf/`, bodies of meshes and of thin sheets, in steps of a tenth of a millimetre or so.
     #[test]
-    #[ignore = "slow: minutes"]
+    #[ignore = "large: minutes"]
     fn no_contact_of_any_body_is_jumped_over() {
         const FINE: usize = 8 * STEPS;
         for name in ["hexapod", "octopus", "snake", "fourarms", "sauropod", "contraption"] {

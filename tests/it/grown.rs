@@ -118,12 +118,12 @@ fn what_happens_without_a_word_to_him_is_told_of_or_refused_in_a_sentence() {
     }
 }
 
-/// By `cargo test slow:: -- --ignored`.
-mod slow {
+/// By `cargo test large:: -- --ignored`.
+mod large {
     use super::*;
 
     #[test]
-    #[ignore = "slow: a minute"]
+    #[ignore = "large: a minute"]
     fn what_several_joints_did_at_once_he_does_not_claim_to_know() {
         let (stage, mut talk) = at_the_table(3);
         for name in ["left_hand", "left_forearm", "left_upper_arm"] {
