@@ -1,12 +1,12 @@
-//! How limbs move as single coordinates of a posture change: the first and second derivatives of points and directions.
+//! How limbs move as single coordinates of a posture change: the derivatives of points and directions.
 //!
-//! Every limb that a hinge carries turns about the hinge's axis, so that with the axes `a_i` in the root's frame, the
-//! root's side first, `∂p/∂q_j = a_j × (p − o_j)` and `∂²p/∂q_i∂q_j = a_i × ∂p/∂q_j` for i no farther from the root
-//! than j. A slide shifts along its axis and turns nothing; a ball counts as three hinges about its parent's axes.
+//! Every limb that a hinge carries turns about the hinge's axis, so that with the axes `a_i` in the root's frame
+//! `∂p/∂q_j = a_j × (p − o_j)`. A slide shifts along its axis and turns nothing; a ball counts as three hinges about its parent's
+//! axes.
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 
 use super::forward::{carry_through, joint_transforms, limb_frames};
 use crate::creature::{Coupling, Creature, DofKind, Posture, turn_ball};
@@ -47,9 +47,8 @@ struct Axis {
 /// How a limb moves as one coordinate grows.
 #[derive(Clone, Copy, Debug)]
 struct Screw {
-    /// The limb that it moves first, and its place among all screws of the body, root's side first.
+    /// The limb that it moves first.
     limb: usize,
-    order: usize,
     /// Its axis times the coordinate's rate, and a point on it, in the root's frame.
     axis: Vector3<f64>,
     origin: Vector3<f64>,
@@ -172,7 +171,6 @@ impl<'a> Freedoms<'a> {
                 let Axis { joint, directions, origin, kind } = &axes[axis];
                 Screw {
                     limb: joint + 1,
-                    order: 3 * axis + freedom.part,
                     axis: directions[freedom.part] * rate,
                     origin: *origin,
                     turns: *kind != DofKind::Slide,
@@ -221,23 +219,6 @@ impl FreeMotions {
     ) {
         for (limb, point, normal) in [(limb, points[0], *normal), (other, points[1], -normal)] {
             limb.into_iter().for_each(|limb| self.add_rates(limb, Feature::Point(point), &normal, rates));
-        }
-    }
-
-    /// Adds the second derivatives of where a feature of a limb is along a direction.
-    pub fn add_curvature(&self, limb: usize, feature: Feature, along: &Vector3<f64>, sum: &mut DMatrix<f64>) {
-        let moving: Vec<(usize, &Screw, Vector3<f64>)> =
-            self.moving(limb).map(|(k, screw)| (k, screw, screw.rate(&feature))).collect();
-        for (i, outer, _) in moving.iter().filter(|(_, screw, _)| screw.turns) {
-            // The turn nearer to the root turns the rate of the other.
-            let turned = along.cross(&outer.axis);
-            for (k, inner, rate) in moving.iter().filter(|(_, inner, _)| inner.order >= outer.order) {
-                let second = turned.dot(rate);
-                sum[(*i, *k)] += second;
-                if inner.order > outer.order {
-                    sum[(*k, *i)] += second;
-                }
-            }
         }
     }
 }

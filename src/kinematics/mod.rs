@@ -18,6 +18,6 @@ pub use forward::{LimbMotion, limb_frames};
 pub use freedom::{Feature, FreeMotions, Freedoms};
 pub use inverse::{InverseKinematics, REACHED, Reach};
 pub use place_chain::{Place, PlaceChain, Workspace};
-pub use quadratic::{Condition, Optimum, QuadraticProgram};
+pub use quadratic::{Condition, QuadraticProgram};
 pub use relative_poses::{PosedLimbs, RelativePoses};
 pub use rotation::{axis_derivative, rotation, skew};

@@ -25,7 +25,7 @@ pub struct Condition {
     pub coefficients: DVector<f64>,
     /// What it is to be.
     pub least: f64,
-    /// Whether it must not be more, either.
+    /// Whether it is not to be more, either; what is has a finite price.
     pub exactly: bool,
     /// What missing it by 1 costs; infinite where it must be kept.
     pub price: f64,
@@ -44,15 +44,6 @@ pub struct QuadraticProgram {
     pub conditions: Vec<Condition>,
 }
 
-/// Its solution.
-#[derive(Clone, Debug)]
-pub struct Optimum {
-    /// The variables.
-    pub x: DVector<f64>,
-    /// Per condition, how hard it pushes: its multiplier.
-    pub multipliers: Vec<f64>,
-}
-
 impl Condition {
     /// By how much it is missed, below 0 where there is room.
     pub fn missed_by(&self, x: &DVector<f64>) -> f64 {
@@ -61,28 +52,25 @@ impl Condition {
     }
 }
 
-/// `Σ entries · variables ≤ most`, of a condition or not.
+/// `Σ entries · variables ≤ most`.
 struct Row {
     entries: Vec<(usize, f64)>,
     most: f64,
-    /// The condition, and which way it is pushed by.
-    pushes: Option<(usize, f64)>,
 }
 
 impl QuadraticProgram {
-    /// Solves it; `None` if the solver fails.
-    pub fn solve(&self) -> Option<Optimum> {
+    /// Its variables where they are best; `None` if the solver fails.
+    pub fn solve(&self) -> Option<DVector<f64>> {
         let free = self.curvature.clone().cholesky()?.solve(&-&self.slope);
         let within = |(x, [low, high]): (&f64, &[f64; 2])| (low..=high).contains(&x);
         // Few conditions ever matter: those that are missed without them are asked for, until none is.
         let mut asked: Vec<usize> = Vec::new();
         let mut found = match free.iter().zip(&self.bounds).all(within) {
-            true => Optimum { x: free, multipliers: vec![0.0; self.conditions.len()] },
+            true => free,
             false => self.solve_asking(&asked)?,
         };
         loop {
-            let missed =
-                |k: &usize| !asked.contains(k) && self.conditions[*k].missed_by(&found.x) > TOLERANCE;
+            let missed = |k: &usize| !asked.contains(k) && self.conditions[*k].missed_by(&found) > TOLERANCE;
             let news: Vec<usize> = (0..self.conditions.len()).filter(missed).collect();
             if news.is_empty() {
                 return Some(found);
@@ -93,37 +81,31 @@ impl QuadraticProgram {
     }
 
     /// The same where no others are asked for than some of the conditions.
-    fn solve_asking(&self, asked: &[usize]) -> Option<Optimum> {
+    fn solve_asking(&self, asked: &[usize]) -> Option<DVector<f64>> {
         let size = self.slope.len();
         let mut slope: Vec<f64> = self.slope.iter().copied().collect();
-        let (mut equal, mut rows) = (Vec::new(), Vec::new());
-        for &k in asked {
-            let condition = &self.conditions[k];
-            let row = |sign: f64| -> Row {
+        let mut rows = Vec::new();
+        for condition in asked.iter().map(|&k| &self.conditions[k]) {
+            let signs = if condition.exactly { &[-1.0, 1.0][..] } else { &[-1.0] };
+            let row = |sign: &f64| -> Row {
                 let entries = condition.coefficients.iter().enumerate().map(|(i, a)| (i, sign * a));
-                Row { entries: entries.collect(), most: sign * condition.least, pushes: Some((k, -sign)) }
+                Row { entries: entries.collect(), most: sign * condition.least }
             };
-            let mut own = vec![row(-1.0)];
-            if condition.price.is_infinite() {
-                if condition.exactly { &mut equal } else { &mut rows }.append(&mut own);
-                continue;
+            let mut own: Vec<Row> = signs.iter().map(row).collect();
+            if condition.price.is_finite() {
+                // By how much it is missed is a variable more.
+                let missed = (slope.len(), -1.0);
+                slope.push(condition.price);
+                own.iter_mut().for_each(|row| row.entries.push(missed));
+                own.push(Row { entries: vec![missed], most: 0.0 });
             }
-            if condition.exactly {
-                own.push(row(1.0));
-            }
-            // By how much it is missed is a variable more.
-            let missed = (slope.len(), -1.0);
-            slope.push(condition.price);
-            own.iter_mut().for_each(|row| row.entries.push(missed));
             rows.extend(own);
-            rows.push(Row { entries: vec![missed], most: 0.0, pushes: None });
         }
         for (k, [low, high]) in self.bounds.iter().enumerate() {
-            rows.push(Row { entries: vec![(k, -1.0)], most: -low, pushes: None });
-            rows.push(Row { entries: vec![(k, 1.0)], most: *high, pushes: None });
+            rows.push(Row { entries: vec![(k, -1.0)], most: -low });
+            rows.push(Row { entries: vec![(k, 1.0)], most: *high });
         }
-        let cones = [SupportedConeT::ZeroConeT(equal.len()), SupportedConeT::NonnegativeConeT(rows.len())];
-        rows.splice(0..0, equal);
+        let cones = [SupportedConeT::NonnegativeConeT(rows.len())];
         // Of the curvature the upper triangle is wanted.
         let places = (0..size).flat_map(|j| (0..=j).map(move |i| (i, j, self.curvature[(j, i)])));
         let objective = sparse((slope.len(), slope.len()), places);
@@ -146,11 +128,7 @@ impl QuadraticProgram {
             return None;
         }
         let within = solution.x.iter().zip(&self.bounds).map(|(x, [low, high])| x.clamp(*low, *high));
-        let mut multipliers = vec![0.0; self.conditions.len()];
-        for (row, force) in rows.iter().zip(&solution.z) {
-            row.pushes.iter().for_each(|&(k, sign)| multipliers[k] += sign * force);
-        }
-        Some(Optimum { x: DVector::from_iterator(size, within), multipliers })
+        Some(DVector::from_iterator(size, within))
     }
 }
 
@@ -170,7 +148,7 @@ mod tests {
     use super::*;
 
     /// Of two variables that are drawn to (1, 2): the nearest with what is asked of them.
-    fn nearest(conditions: &[([f64; 2], f64, bool, f64)], high: f64) -> Optimum {
+    fn nearest(conditions: &[([f64; 2], f64, bool, f64)], high: f64) -> DVector<f64> {
         let condition = |&(coefficients, least, exactly, price): &([f64; 2], f64, bool, f64)| Condition {
             coefficients: DVector::from_column_slice(&coefficients),
             least,
@@ -189,13 +167,13 @@ mod tests {
     #[test]
     fn conditions_are_kept_or_broken_at_their_price() {
         let must = f64::INFINITY;
-        let is = |found: &Optimum, x: [f64; 2]| (&found.x - DVector::from_column_slice(&x)).amax() < 1e-6;
+        let is = |found: &DVector<f64>, x: [f64; 2]| (found - DVector::from_column_slice(&x)).amax() < 1e-6;
         assert!(is(&nearest(&[], 9.0), [1.0, 2.0]) && is(&nearest(&[], 1.5), [1.0, 1.5]));
-        // A condition that is kept anyway does not push.
+        // A condition that is kept anyway changes nothing.
         let kept = nearest(&[([1.0, 0.0], 0.5, false, must)], 9.0);
-        assert!(is(&kept, [1.0, 2.0]) && kept.multipliers == [0.0]);
-        let equal = nearest(&[([1.0, 1.0], 2.0, true, must)], 9.0);
-        assert!(is(&equal, [0.5, 1.5]) && (equal.multipliers[0] + 0.5).abs() < 1e-6, "{equal:?}");
+        assert!(is(&kept, [1.0, 2.0]), "{kept:?}");
+        let equal = nearest(&[([1.0, 1.0], 2.0, true, 100.0)], 9.0);
+        assert!(is(&equal, [0.5, 1.5]), "{equal:?}");
         // To have the first at 4 costs 3 at the end: whoever pays but 1 gets it as far as 2.
         for (price, x) in [(5.0, 4.0), (1.0, 2.0)] {
             let found = nearest(&[([1.0, 0.0], 4.0, false, price)], 9.0);

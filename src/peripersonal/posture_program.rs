@@ -9,10 +9,10 @@
 //!        ranges of the joints
 //! ```
 //!
-//! Sequential quadratic programming with an ℓ1 merit function and a trust region (Fletcher 1985; Nocedal and Wright 2006,
-//! section 18.5): every step solves a quadratic program that has the exact second derivatives of the place, its negative
-//! curvature left out, and the gaps' planes of closest approach; what it cannot keep it breaks at a price. What it finds is
-//! the best near where it begins, so that it is begun from many postures (`farthest`).
+//! Successive linear programming with an ℓ1 merit function and a trust region (Fletcher and Sainz de la Maza 1989; Nocedal and
+//! Wright 2006, section 18.5), each step a little curved so that it has one best end: what it cannot keep it breaks at a price.
+//! With exact second derivatives a program takes fewer steps and comes to the same postures within a fifth of a millimetre. What
+//! it finds is the best near where it begins, so that it is begun from many postures (`farthest`).
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -40,7 +40,7 @@ const OUTLOOK: f64 = 0.15;
 const STEPS: usize = 50;
 /// The least gain for which another step is made, metres.
 const GAIN: f64 = 2e-5;
-/// The least curvature that a step counts with, metres a squared radian.
+/// The curvature that a step counts with, metres a squared radian: of steps that promise the same, the shortest is gone.
 const CURVATURE: f64 = 1e-3;
 /// How often a step is corrected at most.
 const CORRECTIONS: usize = 3;
@@ -135,20 +135,16 @@ impl<'a> PostureProgram<'a> {
         let mut posture = self.freedoms.changed(start, &vec![0.0; self.freedoms.count()]);
         let mut merit = self.merit(&posture);
         let mut reach = FIRST_STEP;
-        let mut multipliers = Multipliers::default();
         let mut steps = 0;
         while steps < most_steps && reach > SHORTEST_STEP {
             steps += 1;
             let body = self.freedoms.at(&posture);
             let equalities = self.equalities(&body);
             let near = self.clearance.near_places(&body.frames, self.margin + OUTLOOK * reach);
-            let Some((change, gain, found)) =
-                self.step(&posture, &body, equalities, &near, reach, &multipliers)
-            else {
+            let Some((change, gain)) = self.step(&posture, &body, equalities, &near, reach) else {
                 reach *= 0.25;
                 continue;
             };
-            multipliers = found;
             if gain < GAIN {
                 break;
             }
@@ -273,7 +269,7 @@ impl<'a> PostureProgram<'a> {
         best
     }
 
-    /// The step that promises most, what it promises in merit, and what each condition holds it back by.
+    /// The step that promises most, and what it promises in merit.
     fn step(
         &self,
         posture: &[f64],
@@ -281,48 +277,15 @@ impl<'a> PostureProgram<'a> {
         equalities: Vec<Condition>,
         near: &[Nearness],
         reach: f64,
-        multipliers: &Multipliers,
-    ) -> Option<(Vec<f64>, f64, Multipliers)> {
+    ) -> Option<(Vec<f64>, f64)> {
         let n = self.freedoms.count();
         let limb = self.place.limb;
         let point = body.frames[limb].point(&self.place.point);
-        let leading = body.frames[limb].rotation * self.place.direction;
-        // The curvature of reach and conditions, by what the last step was held back by.
-        let mut curvature = DMatrix::zeros(n, n);
-        let mut pull = -self.along;
-        for ((direction, _), by) in self.levels.iter().zip(&multipliers.equalities) {
-            pull += direction * *by;
-        }
-        body.add_curvature(limb, Feature::Point(point), &pull, &mut curvature);
-        let tilt = self.tilt(&leading);
-        let tilts = tilt
-            .iter()
-            .flat_map(|tilt| tilt.across)
-            .zip(&multipliers.equalities[..][self.levels.len().min(multipliers.equalities.len())..]);
-        let turn: Vector3<f64> = tilts.map(|(across, by)| across * *by).sum();
-        if turn != Vector3::zeros() {
-            body.add_curvature(limb, Feature::Direction(leading), &turn, &mut curvature);
-        }
-        // Where two limbs were held apart, it is now their nearest places that do so.
-        for (limbs, by) in &multipliers.gaps {
-            let nearest = near.iter().filter(|near| (near.limb, near.other) == *limbs);
-            if let Some(near) = nearest.min_by(|a, b| a.gap.distance.total_cmp(&b.gap.distance)) {
-                let along = near.gap.normal * -*by;
-                let [point, other] = near.gap.points.map(Feature::Point);
-                body.add_curvature(near.limb, point, &along, &mut curvature);
-                if let Some(limb) = near.other {
-                    body.add_curvature(limb, other, &-along, &mut curvature);
-                }
-            }
-        }
-        let mut eigen = curvature.symmetric_eigen();
-        eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(CURVATURE));
         let mut slope = DVector::zeros(n);
         body.add_rates(limb, Feature::Point(point), &-self.along, slope.as_mut_slice());
-        let count = equalities.len();
         let gaps = near.iter().map(|near| self.apart(body, near));
         let program = QuadraticProgram {
-            curvature: eigen.recompose(),
+            curvature: DMatrix::from_diagonal_element(n, n, CURVATURE),
             slope,
             bounds: (0..n).map(|freedom| self.freedoms.bounds(freedom, posture, reach)).collect(),
             conditions: equalities.into_iter().chain(gaps).collect(),
@@ -332,27 +295,8 @@ impl<'a> PostureProgram<'a> {
         let broken = |x: &DVector<f64>| {
             program.conditions.iter().map(|condition| condition.missed_by(x).max(0.0)).sum::<f64>()
         };
-        let won = -0.5 * found.x.dot(&(&program.curvature * &found.x)) - program.slope.dot(&found.x);
-        let promised = won + PRICE * (broken(&DVector::zeros(n)) - broken(&found.x));
-        let (exact, held) = found.multipliers.split_at(count);
-        let mut gaps: Vec<(Limbs, f64)> = Vec::new();
-        for (near, &by) in near.iter().zip(held).filter(|(_, by)| **by > 1e-3) {
-            match gaps.iter_mut().find(|(limbs, _)| *limbs == (near.limb, near.other)) {
-                Some((_, sum)) => *sum += by,
-                None => gaps.push(((near.limb, near.other), by)),
-            }
-        }
-        let multipliers = Multipliers { equalities: exact.iter().map(|by| -by).collect(), gaps };
-        Some((found.x.as_slice().to_vec(), promised, multipliers))
+        let won = -0.5 * found.dot(&(&program.curvature * &found)) - program.slope.dot(&found);
+        let promised = won + PRICE * (broken(&DVector::zeros(n)) - broken(&found));
+        Some((found.as_slice().to_vec(), promised))
     }
 }
-
-/// What conditions hold a step back by, metres of reach for each metre.
-#[derive(Clone, Debug, Default)]
-struct Multipliers {
-    equalities: Vec<f64>,
-    gaps: Vec<(Limbs, f64)>,
-}
-
-/// The limbs of a gap; none for an obstacle.
-type Limbs = (usize, Option<usize>);

@@ -128,7 +128,7 @@ impl<'a> VelocityProgram<'a> {
 
     /// Solves it; `None` if no joint may move or the solver fails.
     pub fn solve(&self) -> Option<SteppedPosture> {
-        let velocities = (self.freedoms.count() > 0).then(|| self.program.solve())??.x;
+        let velocities = (self.freedoms.count() > 0).then(|| self.program.solve())??;
         let missed = self.program.conditions.iter().map(|condition| condition.missed_by(&velocities));
         let given_up = missed.fold(0.0, f64::max);
         let change = velocities * self.seconds;
