@@ -83,9 +83,7 @@ impl Stages {
     /// The joints to be learned of a touch that was made by chance: few, tried seldom, and with much skin.
     pub(super) fn chance(&self, tries: &impl Fn(&Goal) -> f64) -> Option<Vec<usize>> {
         let mut sets: BTreeMap<Vec<usize>, ()> = BTreeMap::new();
-        for touch in
-            self.growth.touches().iter().filter(|touch| touch.suffices && !self.growth.is_spare(touch))
-        {
+        for touch in self.growth.touches().iter().filter(|touch| !self.growth.is_spare(touch)) {
             let joints = self.growth.lacks(touch).joints;
             let few = !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS;
             if few && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES {
