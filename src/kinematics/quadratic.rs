@@ -25,7 +25,7 @@ pub struct Condition {
     pub coefficients: DVector<f64>,
     /// What it is to be.
     pub least: f64,
-    /// Whether it is not to be more, either; what is has a finite price.
+    /// Whether it must not be more, either.
     pub exactly: bool,
     /// What missing it by 1 costs; infinite where it must be kept.
     pub price: f64,
@@ -132,10 +132,10 @@ impl QuadraticProgram {
     }
 }
 
-/// A matrix of so many rows and columns by its entries.
+/// A matrix of so many rows and columns by its entries; a condition leaves most freedoms out, and what is zero is not stored.
 fn sparse((rows, columns): (usize, usize), entries: impl Iterator<Item = (usize, usize, f64)>) -> CscMatrix {
     let (mut is, mut js, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for (i, j, value) in entries {
+    for (i, j, value) in entries.filter(|(.., value)| *value != 0.0) {
         is.push(i);
         js.push(j);
         values.push(value);
@@ -172,7 +172,7 @@ mod tests {
         // A condition that is kept anyway changes nothing.
         let kept = nearest(&[([1.0, 0.0], 0.5, false, must)], 9.0);
         assert!(is(&kept, [1.0, 2.0]), "{kept:?}");
-        let equal = nearest(&[([1.0, 1.0], 2.0, true, 100.0)], 9.0);
+        let equal = nearest(&[([1.0, 1.0], 2.0, true, must)], 9.0);
         assert!(is(&equal, [0.5, 1.5]), "{equal:?}");
         // To have the first at 4 costs 3 at the end: whoever pays but 1 gets it as far as 2.
         for (price, x) in [(5.0, 4.0), (1.0, 2.0)] {

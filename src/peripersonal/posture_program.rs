@@ -138,10 +138,7 @@ impl<'a> PostureProgram<'a> {
         let mut steps = 0;
         while steps < most_steps && reach > SHORTEST_STEP {
             steps += 1;
-            let body = self.freedoms.at(&posture);
-            let equalities = self.equalities(&body);
-            let near = self.clearance.near_places(&body.frames, self.margin + OUTLOOK * reach);
-            let Some((change, gain)) = self.step(&posture, &body, equalities, &near, reach) else {
+            let Some((change, gain)) = self.step(&posture, reach) else {
                 reach *= 0.25;
                 continue;
             };
@@ -269,33 +266,28 @@ impl<'a> PostureProgram<'a> {
         best
     }
 
-    /// The step that promises most, and what it promises in merit.
-    fn step(
-        &self,
-        posture: &[f64],
-        body: &FreeMotions,
-        equalities: Vec<Condition>,
-        near: &[Nearness],
-        reach: f64,
-    ) -> Option<(Vec<f64>, f64)> {
+    /// The step from a posture that promises most, of which no freedom goes farther than `reach`, and what it promises in merit.
+    fn step(&self, posture: &[f64], reach: f64) -> Option<(Vec<f64>, f64)> {
+        let body = self.freedoms.at(posture);
+        let near = self.clearance.near_places(&body.frames, self.margin + OUTLOOK * reach);
         let n = self.freedoms.count();
         let limb = self.place.limb;
         let point = body.frames[limb].point(&self.place.point);
         let mut slope = DVector::zeros(n);
         body.add_rates(limb, Feature::Point(point), &-self.along, slope.as_mut_slice());
-        let gaps = near.iter().map(|near| self.apart(body, near));
+        let gaps = near.iter().map(|near| self.apart(&body, near));
         let program = QuadraticProgram {
             curvature: DMatrix::from_diagonal_element(n, n, CURVATURE),
             slope,
             bounds: (0..n).map(|freedom| self.freedoms.bounds(freedom, posture, reach)).collect(),
-            conditions: equalities.into_iter().chain(gaps).collect(),
+            conditions: self.equalities(&body).into_iter().chain(gaps).collect(),
         };
         let found = program.solve()?;
         // What is not kept now and would not be by the planes, against what is won.
         let broken = |x: &DVector<f64>| {
             program.conditions.iter().map(|condition| condition.missed_by(x).max(0.0)).sum::<f64>()
         };
-        let won = -0.5 * found.dot(&(&program.curvature * &found)) - program.slope.dot(&found);
+        let won = -0.5 * CURVATURE * found.norm_squared() - program.slope.dot(&found);
         let promised = won + PRICE * (broken(&DVector::zeros(n)) - broken(&found));
         Some((found.as_slice().to_vec(), promised))
     }

@@ -1,6 +1,6 @@
 //! What to learn next.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use super::trials::SURVEY_MOTIONS;
 use super::{Goal, Stages};
@@ -82,12 +82,12 @@ impl Stages {
 
     /// The joints to be learned of a touch that was made by chance: few, tried seldom, and with much skin.
     pub(super) fn chance(&self, tries: &impl Fn(&Goal) -> f64) -> Option<Vec<usize>> {
-        let mut sets: BTreeMap<Vec<usize>, ()> = BTreeMap::new();
+        let mut sets: BTreeSet<Vec<usize>> = BTreeSet::new();
         for touch in self.growth.touches().iter().filter(|touch| !self.growth.is_spare(touch)) {
             let joints = self.growth.lacks(touch).joints;
             let few = !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS;
             if few && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES {
-                sets.insert(joints, ());
+                sets.insert(joints);
             }
         }
         let cost = |joints: &Vec<usize>| {
@@ -95,6 +95,6 @@ impl Stages {
             let lever = joints.iter().map(|&joint| self.lever[joint] + 0.02).fold(0.0, f64::max);
             self.growth.width(joints) as f64 * (1.0 + tried) / lever.sqrt()
         };
-        sets.into_keys().min_by(|a, b| cost(a).total_cmp(&cost(b)))
+        sets.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)))
     }
 }
