@@ -41,7 +41,7 @@ impl Appearance {
             }
             let pose = body.geom_in_limb(&info);
             let outline = match Shape::of_geom(model, geom)? {
-                Shape::Mesh => ConvexOutline::about(model.mesh_vertices(geom))?,
+                Shape::Mesh => ConvexOutline::about(&model.mesh_vertices(geom))?,
                 shape => ConvexOutline::of(shape)?,
             };
             let rgb = rgba.map(|[red, green, blue, _]| [red, green, blue]);

@@ -24,6 +24,9 @@ pub struct Hull {
     planes: Vec<(Vector3<f64>, f64)>,
     /// Half the sides of the box about the hull whose middle is the origin.
     half_bounds: Vector3<f64>,
+    /// The middle of the corners, and how far it is from the surface: the radius of a ball inside.
+    middle: Vector3<f64>,
+    inradius: f64,
     farthest: FarthestPoint,
 }
 
@@ -60,9 +63,11 @@ impl Hull {
         let size = vertices.iter().map(|v| (v - middle).norm()).fold(0.0, f64::max);
         let mut hull = Hull {
             half_bounds: vertices.iter().fold(Vector3::zeros(), |half, v| half.sup(&v.abs())),
-            farthest: FarthestPoint::new(vertices.clone()),
+            farthest: FarthestPoint::new(&vertices),
             polyhedron: Polyhedron { vertices, triangles: Vec::new() },
             planes: Vec::new(),
+            middle,
+            inradius: 0.0,
         };
         let mut sum = Vector3::zeros();
         for [i, j, k] in triangles {
@@ -78,8 +83,9 @@ impl Hull {
             hull.polyhedron.triangles.push(if outward == normal { [i, j, k] } else { [i, k, j] });
             hull.planes.push((outward, offset));
         }
-        let thick = hull.inradius() > BEYOND * size;
-        (thick && sum.norm() <= OPEN * hull.area()).then_some(hull)
+        let deep = hull.planes.iter().map(|(normal, offset)| offset - normal.dot(&middle));
+        hull.inradius = deep.fold(f64::INFINITY, f64::min).clamp(0.0, f64::MAX);
+        (hull.inradius > BEYOND * size && sum.norm() <= OPEN * hull.area()).then_some(hull)
     }
 
     /// The same solid with all lengths so many times as long, by a power of two: to the digit.
@@ -87,9 +93,11 @@ impl Hull {
         let vertices: Vec<Vector3<f64>> = self.vertices().iter().map(|v| v * by).collect();
         Hull {
             half_bounds: by * self.half_bounds,
-            farthest: FarthestPoint::new(vertices.clone()),
+            farthest: FarthestPoint::new(&vertices),
             polyhedron: Polyhedron { vertices, triangles: self.triangles().to_vec() },
             planes: self.planes.iter().map(|(normal, offset)| (*normal, offset * by)).collect(),
+            middle: by * self.middle,
+            inradius: by * self.inradius,
         }
     }
 
@@ -123,10 +131,7 @@ impl Hull {
 
     /// How far the middle of the corners is from the surface: the radius of a ball inside.
     pub fn inradius(&self) -> f64 {
-        let vertices = self.vertices();
-        let middle = vertices.iter().sum::<Vector3<f64>>() / vertices.len() as f64;
-        let deep = self.planes.iter().map(|(normal, offset)| offset - normal.dot(&middle));
-        deep.fold(f64::INFINITY, f64::min).clamp(0.0, f64::MAX)
+        self.inradius
     }
 
     /// Half the sides of the box about the hull whose middle is the origin.
@@ -136,6 +141,12 @@ impl Hull {
 
     /// Whether a point is deeper inside than `depth`, metres.
     pub fn holds(&self, p: &Vector3<f64>, depth: f64) -> bool {
+        if p.iter().zip(&self.half_bounds).any(|(at, half)| at.abs() > *half) {
+            return false;
+        }
+        if (p - self.middle).norm() < (1.0 - 1e-12) * self.inradius - depth {
+            return true;
+        }
         // Faces that follow each other lie beside each other: a few from all around tell of most points outside.
         let around = self.planes.iter().step_by(self.planes.len() / FACES_AROUND + 1);
         around.chain(&self.planes).all(|(normal, offset)| normal.dot(p) - offset < -depth)

@@ -22,7 +22,7 @@ impl ConvexOutline {
     }
 
     /// The convex solid about some points; `None` if there are none.
-    pub fn about(points: Vec<Vector3<f64>>) -> Option<ConvexOutline> {
+    pub fn about(points: &[Vector3<f64>]) -> Option<ConvexOutline> {
         (!points.is_empty()).then(|| ConvexOutline(Reach::Points(FarthestPoint::new(points))))
     }
 

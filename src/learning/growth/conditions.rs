@@ -28,7 +28,7 @@ pub(super) struct Conditions {
 impl Conditions {
     /// Takes in a touch by the factors of its posture; whether it makes a new condition.
     pub fn take(&mut self, factors: &[Vec<f64>]) -> bool {
-        let is_new = most(factors) > MOST_PRODUCTS || self.add(products(factors));
+        let is_new = most(factors.iter().map(Vec::len)) > MOST_PRODUCTS || self.add(products(factors));
         self.touches += 1;
         self.new += usize::from(is_new);
         is_new
@@ -67,9 +67,18 @@ pub(super) fn factors(at: DofElement, posture: &[f64]) -> Vec<f64> {
     }
 }
 
-/// How many conditions touches with such factors can make: as many as there are products.
-pub(super) fn most(factors: &[Vec<f64>]) -> usize {
-    factors.iter().map(Vec::len).fold(1, usize::saturating_mul)
+/// How many factors an element of a joint has.
+pub(super) fn count(kind: DofKind) -> usize {
+    match kind {
+        DofKind::Hinge => 3,
+        DofKind::Slide => 2,
+        DofKind::Ball => 10,
+    }
+}
+
+/// How many conditions touches can make of which each element that moves has so many factors: as many as there are products.
+pub(super) fn most(factors: impl Iterator<Item = usize>) -> usize {
+    factors.fold(1, usize::saturating_mul)
 }
 
 /// The products of factors, one of each element.

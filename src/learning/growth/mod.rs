@@ -206,7 +206,8 @@ impl Growth {
         let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize)
             || told.moving.is_empty()
             || !is_new && factors.len() < 2;
-        let suffices = conditions::most(&factors) as f64 >= PATIENT.touches * self.width(&told.moving) as f64;
+        let suffices = conditions::most(factors.iter().map(Vec::len)) as f64
+            >= PATIENT.touches * self.width(&told.moving) as f64;
         let told = Arc::new(told);
         self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;

@@ -86,7 +86,10 @@ impl Stages {
         for touch in self.growth.touches().iter().filter(|touch| !self.growth.is_spare(touch)) {
             let joints = self.growth.lacks(touch).joints;
             let few = !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS;
-            if few && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES {
+            if few
+                && self.growth.can_tell(touch, &joints)
+                && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES
+            {
                 sets.insert(joints);
             }
         }
