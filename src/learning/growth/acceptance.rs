@@ -10,7 +10,7 @@ use super::{GrownTouch, Growth};
 use crate::creature::DofKind;
 use crate::learning::Parameters;
 use crate::learning::prediction::{add_row, information_inverse, row_variance};
-use crate::learning::scrutiny::Member;
+use crate::learning::scrutiny::{CLOSED, Member};
 
 /// Touches that others check which a joint needs, or a limb: a wrong answer closes none of them but by chance.
 const CHECKED: f64 = 4.0;
@@ -19,10 +19,9 @@ const CHECKED: f64 = 4.0;
 const SURE: f64 = 5e-3;
 const SURE_AXIS: f64 = 0.02;
 const UNSURE_AXIS: f64 = 0.2;
-/// The leverage from which on no others check a touch, …
-const UNCHECKED: f64 = 0.97;
-/// … and the share of such touches that is left out at once: without the worst the others may be checked.
-const WORST: f64 = 0.2;
+/// Of an error of its gap a touch leaves open what its leverage lacks to 1. A wrong answer misses by a millimetre: of less than
+/// this share nobody would see anything, and no other touches check it.
+const CHECKED_SHARE: f64 = CLOSED / 1e-3;
 /// What swings less counts as if it swung so far, radians.
 const LEAST_SWING: f64 = 1e-6;
 /// The fewest touches that anything is learned from.
@@ -81,14 +80,10 @@ impl Growth {
             let of_row = |row: &Equation| (row_variance(&row.entries, &covariance) * self.weight()).min(1.0);
             let leverage = |number: usize| rows[&number].iter().map(of_row).fold(0.0, f64::max);
             let leverages: Vec<(usize, f64)> = new.iter().map(|&number| (number, leverage(number))).collect();
-            let mut unchecked: Vec<(usize, f64)> =
-                leverages.iter().copied().filter(|(_, leverage)| *leverage > UNCHECKED).collect();
-            if !unchecked.is_empty() {
-                unchecked.sort_by(|a, b| b.1.total_cmp(&a.1));
-                let few = 1 + (WORST * unchecked.len() as f64) as usize;
-                new.retain(|number| {
-                    !unchecked[..few.min(unchecked.len())].iter().any(|(worst, _)| worst == number)
-                });
+            let mut checked = leverages.iter().map(|(_, leverage)| 1.0 - leverage > CHECKED_SHARE);
+            let before = new.len();
+            new.retain(|_| checked.next().expect("every touch has its leverage"));
+            if new.len() < before {
                 continue;
             }
             let checked = |of: &dyn Fn(&GrownTouch) -> bool| -> f64 {
