@@ -142,7 +142,7 @@ pub fn run(args: &InspectArguments) -> Outcome {
     print_contact(&contact, &found["limb_pairs"]);
     counts("receptors of aura limbs", "", &found["receptors_by_limb"]);
     if skin.receptors.is_empty() {
-        say!("no touch sensors; grow a skin with `bodyschema skin {} --out NEW`", args.model.display());
+        say!("no touch sensors, and no surface that any can be grown on");
         return Ok(());
     }
     let of_aura =

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::simplex::{Corner, on_triangle, witnesses};
 use super::{Gap, Precision};
+use crate::deadline::count_work;
 
 /// How exact a depth is where no rounding is in the way, metres.
 const EXACT: f64 = 1e-9;
@@ -20,6 +21,9 @@ const MOST: usize = 200;
 const ROUNDING: f64 = 1e-13;
 /// A corner nearer than this, metres, to the point, line or plane of others says nothing new.
 const LOW: f64 = 1e-7;
+
+/// What looking at a face counts as, in work of [`count_work`].
+const FACE: usize = 12;
 
 /// A face of a polytope, its corners counterclockwise as seen from outside.
 struct Face {
@@ -65,6 +69,7 @@ pub(super) fn penetration(
         if depth - nearest.offset < EXACT.max(ROUGH * deep) {
             break;
         }
+        count_work(FACE * faces.len());
         // The faces that see the new corner give way to those between it and their outline.
         let number = corners.len();
         corners.push(corner);

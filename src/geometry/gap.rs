@@ -5,6 +5,10 @@ use nalgebra::Vector3;
 use super::gjk::{Precision, gjk};
 use super::simplex::Corner;
 use super::{Capsule, Frame, Shape};
+use crate::deadline::count_work;
+
+/// What a step towards the gap of two bodies counts as, in work of [`count_work`].
+const SUPPORT: usize = 600;
 
 /// Where two bodies come closest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,9 +170,10 @@ fn iterated(a: &dyn ConvexBody, b: &dyn ConvexBody, precision: Precision, guess:
     gjk(&difference(a, b), guess, precision, f64::INFINITY)
 }
 
-/// The support mapping of the difference of two bodies.
+/// The support mapping of the difference of two bodies, which counts as work with what is done with a point of it.
 fn difference(a: &dyn ConvexBody, b: &dyn ConvexBody) -> impl Fn(&Vector3<f64>) -> Corner {
     |direction| {
+        count_work(SUPPORT);
         let points = [a.support(direction), b.support(&-direction)];
         Corner { difference: points[0] - points[1], points }
     }

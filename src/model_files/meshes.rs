@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::collada;
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
 use super::tree::Element;
 
-/// The kinds of files that meshes are read from: those of the engine, and PLY here.
-const KINDS: [&str; 4] = ["stl", "obj", "msh", "ply"];
+/// The kinds of files that meshes are read from: those of the engine, and PLY and COLLADA here.
+const KINDS: [&str; 5] = ["stl", "obj", "msh", "ply", "dae"];
 
 /// How a file begins that Git LFS has in the place of another.
 const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
@@ -201,7 +202,7 @@ fn found_fault(file: &Path) -> Option<String> {
         return Some(format!("{place} is a Git LFS pointer, not a mesh; fetch it with `git lfs pull`"));
     }
     (!KINDS.contains(&kind(file).as_str()))
-        .then(|| format!("{place} is not STL, OBJ, PLY or MSH; convert it to one of these"))
+        .then(|| format!("{place} is not STL, OBJ, PLY, DAE or MSH; convert it to one of these"))
 }
 
 /// Greatest bytes of a mesh's file.
@@ -211,7 +212,7 @@ const LEAST: usize = 4;
 /// A mesh is flat where it is less thick than this part of its length: no hull can be made of it.
 const FLAT: f64 = 1e-6;
 
-/// The corners in a file of STL, OBJ or PLY, each once; `None` if it holds none, is malformed or flat.
+/// The corners in a file of STL, OBJ, PLY or COLLADA, each once; `None` if it holds none, is malformed or flat.
 pub(super) fn corners(file: &Path) -> Option<Vec<[f32; 3]>> {
     let mut seen = BTreeSet::new();
     let once: Vec<[f32; 3]> =
@@ -239,6 +240,7 @@ fn all_corners(file: &Path) -> Option<Vec<[f32; 3]>> {
         "stl" => binary_stl(&bytes).or_else(|| text_stl(&bytes))?,
         "obj" => obj(&bytes)?,
         "ply" => ply(&bytes)?,
+        "dae" => collada::corners(&bytes)?,
         _ => return None,
     };
     all.iter().flatten().all(|x| x.is_finite()).then_some(all)
@@ -373,7 +375,8 @@ mod tests {
             ("empty.obj", ""),
             ("empty.stl", ""),
             ("empty.ply", ""),
-            ("other.dae", "<COLLADA/>"),
+            ("empty.dae", "<COLLADA/>"),
+            ("other.glb", "glTF"),
         ] {
             assert_eq!(read(name, text.as_bytes()), None, "{name}");
         }

@@ -2,6 +2,7 @@
 //! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
 
 mod checks;
+mod collada;
 mod defaults;
 mod expand;
 mod hulls;

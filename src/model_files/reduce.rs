@@ -118,8 +118,9 @@ impl Reduced {
         let Reduced { root, left_out } = self;
         let mut faulty: BTreeMap<String, String> = BTreeMap::new();
         root.each(&mut |e| {
-            // The engine does not read PLY.
-            let of_others = e.get("file").is_some_and(|file| kind(Path::new(file)) == "ply");
+            // What the engine does not read.
+            let kind = e.get("file").map(|file| kind(Path::new(file)));
+            let of_others = kind.is_some_and(|kind| ["ply", "dae"].contains(&kind.as_str()));
             if e.name == "mesh" && (of_others || fault(e).is_some()) && !take_corners(e) {
                 let fault = fault(e).unwrap_or_else(|| "it cannot be read".into());
                 faulty.insert(mesh_name(e).unwrap_or_default(), fault);

@@ -126,7 +126,7 @@ impl LearningRecord {
     /// What the bounds of exact touches assume, in a sentence; `None` if touches show noise, or nothing is bounded.
     pub fn floor_note(&self) -> Option<&'static str> {
         self.reliable_account().filter(|account| account.witnesses.at_floor).map(|_| {
-            "The touches show no noise. The bounds assume the learner's minimum noise; actual errors are far smaller."
+            "The touches show no noise. The bounds assume the learner's minimum noise; actual errors may be far smaller."
         })
     }
 

@@ -205,8 +205,8 @@ fn a_mesh_that_cannot_be_read_is_named_and_the_rest_goes_on() {
     let whole = stl();
     for (file, bytes, told) in [
         ("package://x/l2.dae", None, "l2.dae nor a file of that name beside the model"),
-        ("l2.dae", Some(b"<COLLADA/>".as_slice()), "l2.dae is not STL, OBJ, PLY or MSH"),
-        ("l2.glb", Some(b"glTF".as_slice()), "l2.glb is not STL, OBJ, PLY or MSH"),
+        ("l2.dae", Some(b"<COLLADA/>".as_slice()), "l2.dae cannot be read as DAE"),
+        ("l2.glb", Some(b"glTF".as_slice()), "l2.glb is not STL, OBJ, PLY, DAE or MSH"),
         (
             "l2.stl",
             Some(POINTER.as_bytes()),

@@ -10,8 +10,8 @@ use crate::common::repository;
 
 /// The folders of `src/` from the bottom to the top; those on a line do not use each other. Each uses only what is below.
 const FLOORS: [&[&str]; 19] = [
-    &["error"],
-    &["deadline", "geometry", "named"],
+    &["deadline", "error"],
+    &["geometry", "named"],
     &["mujoco", "plausible"],
     &["creature", "share"],
     &["schema"],
