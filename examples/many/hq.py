@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Makes all shares of a session or a study with HyperQueue, and puts them together.
+"""Makes all shares of a study with HyperQueue, and puts them together.
 
     hq.py SHARES DIR COMMAND…
-    hq.py 16 sessions/big bodyschema babble mjcf/max/max.xml --touches 100000 --jobs 1
-    hq.py --local 16 sessions/big bodyschema babble …
+    hq.py 16 studies/many bodyschema study learners --trials 1000 --jobs 1
+    hq.py --local 16 studies/many bodyschema study …
 
 The shares go to the server that runs (`hq server start`, and workers that `hq worker start` or `hq alloc add` start), or
 with --local to one of this machine's own that ends with the script. Needs `pip install hyperqueue` of the server's version.

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Makes all shares of a session or a study with GNU parallel, on this machine or on several, and puts them together.
+# Makes all shares of a study with GNU parallel, on this machine or on several, and puts them together.
 #
 #   parallel.sh SHARES DIR COMMAND…
-#   parallel.sh 16 sessions/big bodyschema babble mjcf/max/max.xml --touches 100000 --jobs 1
 #   parallel.sh 100 studies/many bodyschema study learners --trials 1000 --jobs 1
 #
 # Can be called again at any time: only shares that are missing or were interrupted are made. What each share says is in
@@ -10,7 +9,7 @@
 # same place: PARALLEL='--sshlogin 8/host1,8/host2 --workdir .' parallel.sh …
 set -euo pipefail
 if [ $# -lt 4 ]; then
-    echo "usage: $0 SHARES DIR bodyschema babble|study … (without --shard and --out)" >&2
+    echo "usage: $0 SHARES DIR bodyschema study … (without --shard and --out)" >&2
     exit 2
 fi
 shares=$1 dir=$2

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Submits all shares of a session or a study to Slurm as one job array, and a job that puts them together.
+# Submits all shares of a study to Slurm as one job array, and a job that puts them together.
 #
 #   slurm.sh SHARES DIR COMMAND…
-#   slurm.sh 16 sessions/big bodyschema babble mjcf/max/max.xml --touches 100000 --jobs 1
 #   slurm.sh 100 studies/many bodyschema study learners --trials 1000 --jobs 1
 #
 # Can be called again once its jobs have ended: only shares that are missing or were interrupted are submitted. What each share
@@ -10,7 +9,7 @@
 # how many shares run at once, are taken from its environment: SBATCH_PARTITION=long SBATCH_TIMELIMIT=2:00:00 slurm.sh …
 set -euo pipefail
 if [ $# -lt 4 ]; then
-    echo "usage: $0 SHARES DIR bodyschema babble|study … (without --shard and --out)" >&2
+    echo "usage: $0 SHARES DIR bodyschema study … (without --shard and --out)" >&2
     exit 2
 fi
 shares=$1 dir=$2

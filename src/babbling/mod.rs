@@ -12,16 +12,15 @@ use std::sync::mpsc;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-pub use bouts::{Bout, BoutsDone, Made};
+pub use bouts::{BoutsDone, Made};
 pub use policy::{Policy, PolicyName};
 
-use crate::babbling::bouts::{End, gather};
+use crate::babbling::bouts::{Bout, gather};
 use crate::babbling::policy::{PolicyStart, Random};
 use crate::deadline::{Deadline, count_work};
 use crate::error::{Error, Kind, Result};
 use crate::learning::growth::Growth;
 use crate::senses::Input;
-use crate::share::Share;
 use crate::simulation::{Effort, Ending, Mover, Movers};
 
 /// Touches after which a bout ends.
@@ -99,8 +98,7 @@ impl<'a> Babbler<'a> {
         mut receive: impl FnMut(Made) -> Result<()>,
     ) -> Result<(Effort, Option<Growth>)> {
         if policy == PolicyName::Random {
-            let end = End::at_touch(options.touches);
-            let done = self.make_bouts(Share::WHOLE, from, end, options, &mut receive)?;
+            let done = self.make_bouts(from, options, &mut receive)?;
             return Ok((ended(options, done.touches, done.effort)?, None));
         }
         let start = PolicyStart { seed: options.seed, input: self.input, deadline: self.deadline };
@@ -109,62 +107,10 @@ impl<'a> Babbler<'a> {
         Ok((effort, policy.grown().cloned()))
     }
 
-    /// Makes a share of the bouts of a session of `options.touches` touches, those in `from`, which counts its own bouts
-    /// alone, not again: whole bouts, so many that with all other shares they are enough or nearly so. A share without a single
-    /// touch is none that fails. Returns how far it came.
-    ///
-    /// # Errors
-    /// If the engine or `receive` fails; touches handed on before stay handed on.
-    pub fn babble_share(
-        &self,
-        share: Share,
-        from: BoutsDone,
-        options: &BabblingOptions,
-        mut receive: impl FnMut(Made) -> Result<()>,
-    ) -> Result<BoutsDone> {
-        self.make_bouts(share, from, End::of_share(share, options.touches), options, &mut receive)
-    }
-
-    /// Babbles at random like [`Babbler::babble`], but takes bouts that were made before where there are some, by their numbers
-    /// from 0 on, and makes on one thread what is missing. The last bout is always made, and held against what was recorded.
-    ///
-    /// # Errors
-    /// As [`Babbler::babble`], and if a bout is not what was recorded.
-    pub fn put_together(
-        &self,
-        from: BoutsDone,
-        options: &BabblingOptions,
-        mut recorded: impl FnMut(u64) -> Option<Bout>,
-        mut receive: impl FnMut(Made) -> Result<()>,
-    ) -> Result<Effort> {
-        let (mut mover, mut touches) = (None, from.touches);
-        let mut bouts = (from.bouts..).map(|bout| {
-            // Where a bout is cut short, what it cost up to there has to be known, which no share keeps.
-            let made = match recorded(bout) {
-                Some(recorded) if touches + recorded.touches.len() < options.touches => Ok(recorded),
-                recorded => {
-                    self.bout(&mut mover, options.seed, bout).and_then(|made| made.checked(bout, recorded))
-                }
-            };
-            touches += made.as_ref().map_or(0, |made: &Bout| made.touches.len());
-            (bout, made)
-        });
-        let done = gather(
-            &mut bouts,
-            from,
-            End::at_touch(options.touches),
-            (self.fruitless_bouts, self.deadline),
-            &mut receive,
-        )?;
-        ended(options, done.touches, done.effort)
-    }
-
-    /// Makes a share of bouts on all threads, those after `from`, and hands them on in their order.
+    /// Makes bouts on all threads, those after `from`, and hands them on in their order.
     fn make_bouts(
         &self,
-        share: Share,
         from: BoutsDone,
-        end: End,
         options: &BabblingOptions,
         receive: &mut dyn FnMut(Made) -> Result<()>,
     ) -> Result<BoutsDone> {
@@ -179,17 +125,17 @@ impl<'a> Babbler<'a> {
                 scope.spawn(move || {
                     let mut mover = None;
                     while !done.load(Ordering::Relaxed) && !self.deadline.has_passed() {
-                        let own = next_bout.fetch_add(1, Ordering::Relaxed);
-                        let made = self.bout(&mut mover, options.seed, share.piece(own));
-                        if sender.send((own, made)).is_err() {
+                        let bout = next_bout.fetch_add(1, Ordering::Relaxed);
+                        let made = self.bout(&mut mover, options.seed, bout);
+                        if sender.send((bout, made)).is_err() {
                             break;
                         }
                     }
                 });
             }
             drop(sender);
-            let result =
-                gather(&mut receiver.iter(), from, end, (self.fruitless_bouts, self.deadline), receive);
+            let until = (self.fruitless_bouts, self.deadline);
+            let result = gather(&mut receiver.iter(), from, options.touches, until, receive);
             done.store(true, Ordering::Relaxed);
             // Unblocks threads that wait to send.
             drop(receiver);
@@ -197,7 +143,7 @@ impl<'a> Babbler<'a> {
         })
     }
 
-    /// One bout, the same whoever makes it and when; by a mover that is there already, or made for it.
+    /// One bout, the same whichever thread makes it, and when; by a mover that is there already, or made for it.
     fn bout<'m>(&'m self, mover: &mut Option<Mover<'m>>, seed: u64, bout: u64) -> Result<Bout> {
         let mover = match mover {
             Some(mover) => mover,

@@ -1,4 +1,4 @@
-//! `bodyschema babble`: the main job. A session begins, goes on, is made share by share, or is put together of shares.
+//! `bodyschema babble`: the main job. A session begins, or goes on.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::folders::{Force, session_folder, take_share, written_session};
+use super::folders::{Force, session_folder, written_session};
 use super::learn::KNOWN_HELP;
 use super::learned::learn_and_print;
 use super::live::{LiveOptions, Place, rest, serve};
@@ -15,10 +15,9 @@ use super::progress::Bars;
 use super::{Failure, Outcome, output};
 use crate::creature::JointSelection;
 use crate::session::{
-    BabblingSession, Embodied, FolderLock, MadeShares, Observer, Provenance, SESSION_FILE, Session,
-    SessionRequest, SessionSetup,
+    BabblingSession, Embodied, FolderLock, Observer, Provenance, SESSION_FILE, Session, SessionRequest,
+    SessionSetup,
 };
-use crate::share::Share;
 use crate::view::live::BabblingView;
 use crate::view::report::REPORT_FILE;
 
@@ -37,7 +36,6 @@ use crate::view::report::REPORT_FILE;
   bodyschema babble mjcf/max/max.xml --learner hersch --json
   bodyschema babble mjcf/max/max.xml --touches 500 --live                    # watch it in a browser
   bodyschema babble --resume sessions/max-1
-  bodyschema babble mjcf/max/max.xml --touches 100000 --shard 3/16 --out sessions/big  # takes minutes
   bodyschema babble mjcf/max/max.xml --touches 60 --known known.json\n\n{KNOWN_HELP}"))]
 pub struct BabbleArguments {
     #[command(flatten)]
@@ -51,17 +49,6 @@ pub struct BabbleArguments {
     /// interruption. Can be combined with --jobs, --json and --live
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     resume: Option<PathBuf>,
-    /// Babble only this share of the session, such as 3/16. Other processes, on this machine or others, make the rest,
-    /// and `bodyschema study merge DIR` merges all shares into what a single process would have written. Babbles at
-    /// random; the same command resumes an interrupted share
-    #[arg(
-        long,
-        value_name = "SHARE",
-        requires = "out",
-        conflicts_with_all = ["resume", "seconds", "work", "force"],
-        help_heading = "Output"
-    )]
-    shard: Option<Share>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -106,19 +93,17 @@ impl SessionArguments {
 }
 
 pub fn run(args: &BabbleArguments) -> Outcome {
-    let job =
-        |asked: SessionArguments| Job::new(asked, args.asked.request.jobs, args.shard, args.json, &args.live);
-    match (&args.resume, args.shard, &args.out) {
-        (Some(folder), ..) => {
+    let job = |asked: SessionArguments| Job::new(asked, args.asked.request.jobs, args.json, &args.live);
+    match &args.resume {
+        Some(folder) => {
             let lock = written_session(folder)?;
             let asked = SessionArguments::of_session(&Session::read(folder)?, folder)?;
-            job(asked)?.go_on(lock, None)
+            job(asked)?.go_on(lock)
         }
-        (None, Some(share), Some(folder)) => make_share(&job(args.asked.clone())?, share, folder),
-        _ => {
+        None => {
             let job = job(args.asked.clone())?;
             let lock = session_folder(args.out.as_deref(), job.embodied.creature().name(), args.force)?;
-            job.begin(lock, None)
+            job.begin(lock)
         }
     }
 }
@@ -137,13 +122,12 @@ impl Job {
     pub fn new(
         mut asked: SessionArguments,
         jobs: Option<u16>,
-        share: Option<Share>,
         json: bool,
         live: &LiveOptions,
     ) -> Result<Job, Failure> {
         is_there(&asked.model, "babble")?;
         let embodied = embodied(asked.open.source(&asked.model, asked.joints.clone().unwrap_or_default()))?;
-        (asked.request.jobs, asked.request.share) = (jobs, share);
+        asked.request.jobs = jobs;
         let setup = asked.request.setup(&embodied)?;
         // Whether it can be watched is told before any folder is made.
         Ok(Job { asked, embodied, setup, place: live.place()?, json })
@@ -158,15 +142,15 @@ impl Job {
         Provenance { command: output::command_line(), asked: asked.unwrap_or_default() }
     }
 
-    /// Begins a session, whose touches are those of `shares` if there are any, and learns from them.
-    pub fn begin(mut self, lock: FolderLock, shares: Option<&MadeShares<Session>>) -> Outcome {
+    /// Begins a session, and learns from its touches.
+    fn begin(mut self, lock: FolderLock) -> Outcome {
         let place = self.place.take();
         let session = BabblingSession::begin(&self.embodied, &self.setup, &lock, self.provenance())?;
-        self.complete(session, lock, place, shares)
+        self.complete(session, lock, place)
     }
 
-    /// Does what is missing in a session's folder: touches, of `shares` if there are any, learning, the report.
-    pub fn go_on(mut self, lock: FolderLock, shares: Option<&MadeShares<Session>>) -> Outcome {
+    /// Does what is missing in a session's folder: touches, learning, the report.
+    fn go_on(mut self, lock: FolderLock) -> Outcome {
         let (folder, page) = (lock.folder().to_path_buf(), self.place.take());
         let place = folder.display();
         let session = Session::read(&folder)?;
@@ -189,17 +173,11 @@ impl Job {
             true => tell!("{place}: all {made} touches are present; learning from them"),
             false => tell!("{place}: resuming after touch {made} of {all}"),
         }
-        self.complete(session, lock, page, shares)
+        self.complete(session, lock, page)
     }
 
     /// Makes touches while somebody may look on, learns from all of them, and prints the result.
-    fn complete(
-        &self,
-        session: BabblingSession,
-        lock: FolderLock,
-        page: Option<Place>,
-        shares: Option<&MadeShares<Session>>,
-    ) -> Outcome {
+    fn complete(&self, session: BabblingSession, lock: FolderLock, page: Option<Place>) -> Outcome {
         let (touches, made) = (self.setup.babbling.touches, session.made());
         let page = page.map(|place| {
             let view = BabblingView::new(self.embodied.agent(), self.embodied.truth(), touches, made);
@@ -210,10 +188,7 @@ impl Job {
         let bars = Bars::default();
         let pages = page.iter().map(|(_, view)| &**view as &dyn Observer);
         let observers: Vec<&dyn Observer> = std::iter::once(&bars as &dyn Observer).chain(pages).collect();
-        let babbled = match shares {
-            Some(shares) => session.put_together(shares, &observers)?,
-            None => session.babble(&observers)?,
-        };
+        let babbled = session.babble(&observers)?;
         let truth = Some(self.embodied.truth());
         if let Some(limit) = babbled.session.effort.and_then(|effort| effort.ended_by) {
             tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
@@ -228,35 +203,4 @@ impl Job {
         }
         Ok(())
     }
-}
-
-/// Makes one share of a session in its place below a folder, or what is missing of it; `bodyschema study merge` puts it
-/// together with the others.
-fn make_share(job: &Job, share: Share, folder: &Path) -> Outcome {
-    let lock = take_share(folder, share, SESSION_FILE)?;
-    let place = lock.folder();
-    let session = BabblingSession::take_up(&job.embodied, &job.setup, &lock, job.provenance())?;
-    match session.made() {
-        _ if session.is_babbled() => tell!("{} is complete: nothing left to do", place.display()),
-        0 => {}
-        made => tell!("{}: resuming after touch {made}", place.display()),
-    }
-    let session = session.babble(&Bars::default())?.session;
-    let effort = session.effort;
-    let touches = effort.and_then(|effort| effort.touches).unwrap_or_default();
-    if let Some(effort) = effort.filter(|effort| effort.touches == Some(0)) {
-        tell!("no touch in {} motions of this share", effort.of_motions.motions);
-    }
-    if job.json {
-        return output::json(&json!({
-            "share": share.to_string(),
-            "touches": touches,
-            "motions": effort.map(|effort| effort.of_motions.motions),
-            "babbling_s": effort.map(|effort| effort.babbling_s),
-            "folder": place,
-        }));
-    }
-    say!("share {share}: {touches} touches, in {}", place.display());
-    say!("once all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
-    Ok(())
 }

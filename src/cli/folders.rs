@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use crate::session::{
     FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, SCHEMA_FILE,
-    SENSATIONS_FILE, SESSION_FILE, SHARES_FOLDER, SPACE_FILE, Session, Shares, TOUCHES_FILE,
+    SENSATIONS_FILE, SESSION_FILE, SHARES_FOLDER, SPACE_FILE, STUDY_FILE, Session, TOUCHES_FILE,
 };
 use crate::share::Share;
+use crate::study::Shares;
 use crate::view::report::REPORT_FILE;
 
 /// Files that a session writes, any of which would be lost if one began where it is.
@@ -60,12 +61,11 @@ pub fn written_session(folder: &Path) -> Result<FolderLock, Failure> {
     Ok(FolderLock::take(folder)?)
 }
 
-/// The place of a share below a folder, which is made; `whole` is a file that is in a folder of work that was not cut into
-/// shares.
-pub fn take_share(folder: &Path, share: Share, whole: &str) -> Result<FolderLock, Failure> {
-    if folder.join(whole).exists() && !folder.join(SHARES_FOLDER).exists() {
+/// The place of a share below the folder of a study, which is made.
+pub fn take_share(folder: &Path, share: Share) -> Result<FolderLock, Failure> {
+    if folder.join(STUDY_FILE).exists() && !folder.join(SHARES_FOLDER).exists() {
         return Err(Failure(format!(
-            "{} contains unsharded work ({whole}): give another folder with --out",
+            "{} contains unsharded work ({STUDY_FILE}): give another folder with --out",
             folder.display()
         )));
     }

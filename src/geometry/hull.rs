@@ -139,8 +139,9 @@ impl Hull {
         self.half_bounds
     }
 
-    /// Whether a point is deeper inside than `depth`, metres.
+    /// Whether a point is deeper inside than `depth`, metres, which is 0 at the least.
     pub fn holds(&self, p: &Vector3<f64>, depth: f64) -> bool {
+        // Of most points the box about the hull tells, or the ball inside.
         if p.iter().zip(&self.half_bounds).any(|(at, half)| at.abs() > *half) {
             return false;
         }

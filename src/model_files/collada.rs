@@ -3,6 +3,7 @@
 //! A file holds geometries, and nodes that place them, each with its transformations in the order in which they are applied
 //! (COLLADA 1.4.1, 2008). Lengths are in the file's unit; which way is up counts for nothing, as in ROS.
 
+use std::cell::Cell;
 use std::path::Path;
 
 use nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
@@ -10,20 +11,23 @@ use nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
 use super::source::{parse, text_from};
 use super::tree::{Element, numbers};
 
-/// Nodes that place others at the most, one in the other: what places itself would go on for ever.
+/// Nodes at the most, one in the other and in all: what places itself would go on for ever, or nearly.
 const DEEPEST: usize = 100;
+const MOST: usize = 100_000;
 
 /// A file's text and what is in it.
 struct Collada<'t> {
     text: &'t str,
     root: Element,
+    /// How many nodes were placed.
+    placed: Cell<usize>,
 }
 
 /// All corners in a file, as often as they are placed, metres; `None` where it is malformed.
 pub(super) fn corners(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     let text = text_from(bytes);
     let root = parse(Path::new(""), &text).ok().filter(|root| root.name == "COLLADA")?;
-    let file = Collada { text: &text, root };
+    let file = Collada { text: &text, root, placed: Cell::new(0) };
     let unit = file.root.child("asset").and_then(|asset| asset.child("unit")?.number("meter"));
     let metres = Matrix4::new_scaling(unit.unwrap_or(1.0));
     let mut corners = Vec::new();
@@ -44,6 +48,10 @@ impl Collada<'_> {
         corners: &mut Vec<[f32; 3]>,
     ) -> Option<()> {
         let deeper = deepest.checked_sub(1)?;
+        self.placed.set(self.placed.get() + 1);
+        if self.placed.get() > MOST {
+            return None;
+        }
         let mut at = *parent;
         for child in &node.children {
             let numbers = numbers(self.content(child)?);
@@ -116,7 +124,8 @@ mod tests {
     <technique_common><accessor source="#f" count="1" stride="3"/></technique_common></source>
     <vertices id="v"><input semantic="POSITION" source="#s"/></vertices></mesh></geometry></library_geometries>
   <library_nodes><node id="part"><instance_geometry url="#g"/></node>
-    <node id="ring"><instance_node url="#ring"/></node></library_nodes>
+    <node id="ring"><instance_node url="#ring"/></node>
+    <node id="many"><instance_node url="#many"/><instance_node url="#many"/></node></library_nodes>
   <library_visual_scenes><visual_scene id="scene">{nodes}</visual_scene></library_visual_scenes></COLLADA>"##
         );
         corners(text.as_bytes())
@@ -147,6 +156,7 @@ mod tests {
         for nodes in [
             r##"<node><instance_geometry url="#other"/></node>"##,
             r##"<node><instance_node url="#ring"/></node>"##,
+            r##"<node><instance_node url="#many"/></node>"##,
             r##"<node><matrix>1 0 0</matrix></node>"##,
             r##"<node><rotate>0 0 0 90</rotate></node>"##,
             "<node>",

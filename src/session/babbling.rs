@@ -7,17 +7,15 @@ use std::time::{Duration, Instant};
 use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use super::observer::{Observer, Phase};
-use super::shares::{MadeShares, ShareRecord, bouts_of, time_spent};
-use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
+use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
 use crate::session::{
-    BabblingEffort, BabblingProgress, BoutLine, BoutLog, FolderLock, SESSION_FILE, Session, SessionOptions,
-    TOUCHES_FILE, TouchWriter, model_hash, read_bouts, read_touches,
+    BabblingEffort, BabblingProgress, FolderLock, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
+    TouchWriter, model_hash, read_touches,
 };
-use crate::share::Share;
 use crate::simulation::{Effort, MotionName};
 use crate::skin::Skin;
 
@@ -35,8 +33,6 @@ pub struct SessionSetup {
     pub motion: MotionName,
     /// After which no touches are made any more.
     pub deadline: Deadline,
-    /// The share of the session that is made; `None` for all of it.
-    pub share: Option<Share>,
     /// How to learn.
     pub learning: LearningOptions,
 }
@@ -50,7 +46,7 @@ pub struct Provenance {
     pub asked: serde_json::Value,
 }
 
-/// A session, or a share of one, of which touches are to be made or all are.
+/// A session of which touches are to be made or all are.
 pub struct BabblingSession<'a> {
     embodied: &'a Embodied,
     setup: &'a SessionSetup,
@@ -60,8 +56,6 @@ pub struct BabblingSession<'a> {
     log: Option<TouchWriter<'a>>,
     /// Whether it was begun here, with an empty log.
     begun: bool,
-    /// Of a share, the bouts and what each cost.
-    bouts: Option<BoutLog>,
     before: Before,
 }
 
@@ -108,25 +102,8 @@ impl<'a> BabblingSession<'a> {
         let session = new_session(embodied, setup, provenance)?;
         session.write(folder)?;
         let log = Some(TouchWriter::create(folder, embodied.agent())?);
-        let bouts = setup.share.map(|_| BoutLog::go_on(folder, &[])).transpose()?;
         let (folder, before) = (folder.to_path_buf(), Before::default());
-        Ok(BabblingSession { embodied, setup, folder, session, log, begun: true, bouts, before })
-    }
-
-    /// Begins the share of the setup in its folder, or goes on with what is there of it.
-    pub(crate) fn take_up(
-        embodied: &'a Embodied,
-        setup: &'a SessionSetup,
-        lock: &FolderLock,
-        provenance: Provenance,
-    ) -> Result<BabblingSession<'a>, Error> {
-        let folder = lock.folder();
-        if !folder.join(SESSION_FILE).exists() {
-            return BabblingSession::begin(embodied, setup, lock, provenance);
-        }
-        let session = Session::read(folder)?;
-        session.check(folder, &new_session(embodied, setup, provenance)?)?;
-        BabblingSession::resume(embodied, setup, lock, session)
+        Ok(BabblingSession { embodied, setup, folder, session, log, begun: true, before })
     }
 
     /// Goes on with an interrupted session in its folder, with the setup that it was begun with: its touches become
@@ -152,19 +129,10 @@ impl<'a> BabblingSession<'a> {
                 );
                 return Err(Error::unfit(&log_file, reason));
             }
-            let (log, begun, bouts, folder) = (None, false, None, place);
-            return Ok(BabblingSession { embodied, setup, folder, session, log, begun, bouts, before });
+            let (log, begun, folder) = (None, false, place);
+            return Ok(BabblingSession { embodied, setup, folder, session, log, begun, before });
         }
-        // The bouts that are done: those of a share one by one, those of a session at random in all.
-        let mut lines = Vec::new();
-        if let Some(share) = setup.share {
-            lines = read_bouts(folder, share)?;
-            for line in &lines {
-                before.done.bouts += 1;
-                before.done.touches += line.touches;
-                before.done.effort += line.effort;
-            }
-        } else if let Some(progress) = BabblingProgress::read(folder)
+        if let Some(progress) = BabblingProgress::read(folder)
             && let Ok(spent) = Duration::try_from_secs_f64(progress.effort.babbling_s)
             && setup.policy == PolicyName::Random
         {
@@ -177,14 +145,12 @@ impl<'a> BabblingSession<'a> {
             drop(log);
             log = TouchWriter::resume(folder, agent)?;
             before = Before::default();
-            lines.clear();
         } else if touches > 0 {
             before.touches = read_touches(&log_file, agent)?.touches;
             before.touches.truncate(touches);
         }
-        let bouts = setup.share.map(|_| BoutLog::go_on(folder, &lines)).transpose()?;
         let (log, begun, folder) = (Some(log), false, place);
-        Ok(BabblingSession { embodied, setup, folder, session, log, begun, bouts, before })
+        Ok(BabblingSession { embodied, setup, folder, session, log, begun, before })
     }
 
     /// Whether all touches are made.
@@ -202,98 +168,44 @@ impl<'a> BabblingSession<'a> {
         self.before.touches.len()
     }
 
-    /// Babbles what is missing, and writes every touch into the log as soon as it is made. A share counts as made, though it
-    /// has no touch, where so many bouts bring none that one process would give up.
+    /// Babbles what is missing, and writes every touch into the log as soon as it is made; nothing is done where all are.
     ///
     /// # Errors
     /// If the engine fails, nothing can be touched, or a file cannot be written; a session that was interrupted so can be
     /// resumed.
     pub fn babble(self, observer: &dyn Observer) -> Result<BabbledSession, Error> {
-        let SessionSetup { babbling, policy, share, .. } = self.setup;
-        let model = self.embodied.model();
-        self.make(observer, |babbler, done, receive| {
-            let made = match share {
-                Some(share) => {
-                    babbler.babble_share(*share, done, babbling, receive).map(|done| (done.effort, None))
-                }
-                None => babbler.babble(*policy, done, babbling, receive),
-            };
-            made.map_err(Error::of_model(model))
-        })
-    }
-
-    /// Puts shares of the session together: the log becomes what one process would have written. What is missing for that
-    /// at the end, as where bouts brought few touches, is babbled.
-    pub(crate) fn put_together(
-        self,
-        shares: &MadeShares<Session>,
-        observer: &dyn Observer,
-    ) -> Result<BabbledSession, Error> {
-        let (model, options) = (self.embodied.model(), &self.setup.babbling);
-        let agent = self.embodied.agent();
-        // Where this was interrupted before, their time is counted already.
-        let spent = if self.before.touches.is_empty() { time_spent(shares) } else { self.before.spent };
-        BabblingSession { before: Before { spent, ..self.before }, ..self }.make(
-            observer,
-            |babbler, done, receive| {
-                let effort = babbler.put_together(done, options, bouts_of(shares, agent)?, receive);
-                Ok((effort.map_err(Error::of_model(model))?, None))
-            },
-        )
-    }
-
-    /// Writes touches into the log as they are made, in whatever way; nothing is done where all are.
-    fn make(
-        self,
-        observer: &dyn Observer,
-        make: impl FnOnce(
-            &Babbler,
-            BoutsDone,
-            &mut dyn FnMut(Made) -> Result<(), Error>,
-        ) -> Result<(Effort, Option<Growth>), Error>,
-    ) -> Result<BabbledSession, Error> {
-        let BabblingSession { embodied, setup, folder, mut session, log, begun, mut bouts, before } = self;
+        let BabblingSession { embodied, setup, folder, mut session, log, begun, before } = self;
         let Before { done, spent, touches: mut made } = before;
         let Some(mut log) = log else { return Ok(BabbledSession { session, touches: made, grown: None }) };
         let babbler =
             embodied.babbler(setup.motion)?.until(setup.deadline).learning_from(setup.learning.input());
         observer.phase(Phase::Babbling {
             made: made.len(),
-            touches: match setup.share {
-                Some(share) => setup.babbling.touches.div_ceil(share.of() as usize).max(made.len()),
-                None => setup.babbling.touches,
-            },
+            touches: setup.babbling.touches,
             grows: setup.policy == PolicyName::Stages,
             deadline: setup.deadline,
         });
         let began = Instant::now();
-        let (mut kept, mut before) = (began, made.len());
+        let mut kept = began;
         let cost = |of_motions: Effort| {
             let babbling_s = (spent + began.elapsed()).as_secs_f64();
             BabblingEffort { of_motions, babbling_s, ..BabblingEffort::default() }
         };
         let (babbled, tally) = apart(|| {
-            make(&babbler, done, &mut |news| {
+            babbler.babble(setup.policy, done, &setup.babbling, |news| {
                 match news {
                     Made::Touch(touch) => {
                         log.write(touch)?;
                         observer.touched(touch);
                         made.push(touch.clone());
                     }
-                    Made::Bout(done, effort) => match setup.share.zip(bouts.as_mut()) {
-                        Some((share, log)) => {
-                            let bout = share.piece(done.bouts - 1);
-                            log.write(&BoutLine { bout, touches: done.touches - before, effort })?;
-                            before = done.touches;
-                        }
-                        // Bouts can be shorter than it takes to write this down.
-                        None if kept.elapsed() >= KEPT_EVERY => {
-                            let BoutsDone { bouts, touches, effort } = done;
-                            BabblingProgress { bouts, touches, effort: cost(effort) }.write(&folder)?;
-                            kept = Instant::now();
-                        }
-                        None => {}
-                    },
+                    // Bouts can be shorter than it takes to write this down.
+                    Made::Bout(done) if kept.elapsed() >= KEPT_EVERY => {
+                        let BoutsDone { bouts, touches, effort } = done;
+                        BabblingProgress { bouts, touches, effort: cost(effort) }.write(&folder)?;
+                        kept = Instant::now();
+                    }
+                    Made::Bout(_) => {}
                     Made::Grown(growth) => observer.grew(growth),
                 }
                 Ok(())
@@ -304,14 +216,12 @@ impl<'a> BabblingSession<'a> {
             // There is nothing to go on with.
             [TOUCHES_FILE, SESSION_FILE].iter().for_each(|file| drop(fs::remove_file(folder.join(file))));
         }
-        let (effort, grown) = babbled?;
+        let (effort, grown) = babbled.map_err(Error::of_model(embodied.model()))?;
         observer.phase(Phase::Done);
-        let touches =
-            Some(made.len()).filter(|&made| made != setup.babbling.touches || setup.share.is_some());
+        let touches = Some(made.len()).filter(|&made| made != setup.babbling.touches);
         let ended_by = tally.ended.then(|| setup.deadline.limit());
         session.effort = Some(BabblingEffort { touches, ended_by, ..cost(effort) });
         log.finish()?;
-        bouts.map_or(Ok(()), BoutLog::finish)?;
         session.write(&folder)?;
         BabblingProgress::remove(&folder);
         Ok(BabbledSession { session, touches: made, grown })
@@ -337,7 +247,6 @@ fn new_session(embodied: &Embodied, setup: &SessionSetup, provenance: Provenance
             motion: Some(setup.motion)
                 .filter(|motion| *motion != MotionName::default())
                 .map(|m| m.to_string()),
-            share: setup.share.map(|share| share.to_string()),
             asked: provenance.asked,
         },
         agent: embodied.agent().clone(),

@@ -40,7 +40,9 @@ pub(super) fn for_session(path: &Path) -> String {
         return "it is a study folder, not a session: its results are in study.json".into();
     }
     if path.join(SHARES_FOLDER).exists() {
-        return format!("it contains unmerged shares: merge them with `bodyschema study merge {place}`");
+        return format!(
+            "it contains unmerged shares of a study: merge them with `bodyschema study merge {place}`"
+        );
     }
     match first_session(path) {
         Some(session) => format!("it contains sessions but is not one: give one of them, such as {session}"),

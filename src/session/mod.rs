@@ -7,7 +7,6 @@
 
 mod account;
 mod babbling;
-mod bout_log;
 mod embodied;
 pub(crate) mod files;
 mod folder;
@@ -26,7 +25,6 @@ mod robot;
 mod schema;
 mod session_body;
 mod session_file;
-mod shares;
 mod space;
 mod stamp;
 mod strokes;
@@ -35,7 +33,6 @@ mod touch_writer;
 
 pub use account::RecordedAccount;
 pub use babbling::{BabbledSession, BabblingSession, Provenance, SessionSetup};
-pub use bout_log::{BoutLine, BoutLog, read_bouts};
 pub(crate) use embodied::skin_for;
 pub use embodied::{Embodied, ModelSource};
 pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
@@ -62,7 +59,6 @@ pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
 pub(crate) use session_body::{hands, learned_body, same_tree, session_body};
 pub use session_body::{model_hash, own_body};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
-pub(crate) use shares::{MadeShares, SHARES_FOLDER, ShareRecord, Shares, Unready, difference, made_shares};
 pub use space::{SpaceRecord, SpaceSlice};
 pub use strokes::{StrokedSession, read_firings, record_strokes, write_firings};
 pub use touch_log::{TouchLog, read_touches};
@@ -74,10 +70,10 @@ pub const SESSION_FILE: &str = "session.json";
 pub const TOUCHES_FILE: &str = "touches.jsonl";
 /// How far babbling has come, in a session's folder while it babbles.
 pub const PROGRESS_FILE: &str = "babbling.json";
-/// The bouts of a share of a session and what each cost, in the share's folder.
-pub const BOUTS_FILE: &str = "bouts.csv";
 /// What a study was asked and what came out, in its folder.
 pub const STUDY_FILE: &str = "study.json";
+/// Where the shares of a study are that several processes make, in its folder.
+pub(crate) const SHARES_FOLDER: &str = "shares";
 /// What a share of a study was asked for, in the share's folder.
 pub const STUDY_SHARE_FILE: &str = "study-share.json";
 /// The log of firing receptors, in the folder of a session of strokes.

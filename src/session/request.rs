@@ -9,13 +9,12 @@ use super::embodied::Embodied;
 use super::learning_options::LearningOptions;
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::deadline::Deadline;
-use crate::error::{Error, Result};
+use crate::error::Result;
 #[cfg(feature = "cli")]
 use crate::given_number::{count, positive};
 use crate::learning::growth::Growth;
 use crate::learning::learners::{LearnerKind, PartByPart};
 use crate::senses::joint_sensors;
-use crate::share::Share;
 use crate::simulation::MotionName;
 
 /// Touches that are made where no number is asked for.
@@ -63,10 +62,6 @@ pub struct SessionRequest {
     #[cfg_attr(feature = "cli", command(flatten))]
     #[serde(flatten)]
     pub learning: LearningOptions,
-    /// The share of the session to babble; the other shares are made by other processes.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    #[serde(skip)]
-    pub share: Option<Share>,
 }
 
 impl Default for SessionRequest {
@@ -80,7 +75,6 @@ impl Default for SessionRequest {
             policy: None,
             motion: MotionName::default(),
             learning: LearningOptions::default(),
-            share: None,
         }
     }
 }
@@ -94,10 +88,7 @@ impl SessionRequest {
 
     /// Work that the session may take; `None` if it may take as much as it likes.
     pub(crate) fn work(&self) -> Option<f64> {
-        let patient = self.touches.is_some()
-            || self.seconds.is_some()
-            || self.share.is_some()
-            || self.motion == MotionName::Dynamic;
+        let patient = self.touches.is_some() || self.seconds.is_some() || self.motion == MotionName::Dynamic;
         self.work.or((!patient).then_some(WORK))
     }
 
@@ -136,19 +127,9 @@ impl SessionRequest {
         // Noise of a model's own joint sensors is noise as any.
         let exact = joint_sensors(embodied.body()).iter().flatten().all(|sensor| sensor.noise == 0.0);
         let asked = self.learning.learner.is_none_or(|learner| learner.name() == PartByPart.name());
-        let stages = exact
-            && self.learning.grows()
-            && asked
-            && self.share.is_none()
-            && self.motion == MotionName::Kinematic;
+        let stages = exact && self.learning.grows() && asked && self.motion == MotionName::Kinematic;
         let stages = stages && Growth::suits(creature);
         let policy = self.policy.unwrap_or(if stages { PolicyName::Stages } else { PolicyName::Random });
-        if let Some(share) = self.share.filter(|_| policy != PolicyName::Random) {
-            return Err(Error::usage(format!(
-                "--policy {policy} learns from all earlier touches, which share {share} does not have: leave out \
-                 --shard, or use --policy random"
-            )));
-        }
         let learning = LearningOptions { deadline: deadline(LEARNING_SHARE), ..self.learning.clone() };
         let learning = learning.chosen(Some(policy).filter(|_| exact), creature)?;
         let most = if policy == PolicyName::Stages { MOST_TOUCHES } else { TOUCHES };
@@ -159,7 +140,6 @@ impl SessionRequest {
             policy,
             motion: self.motion,
             deadline: deadline(BABBLING_SHARE),
-            share: self.share,
             learning,
         })
     }

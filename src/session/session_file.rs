@@ -100,9 +100,6 @@ pub struct SessionOptions {
     /// How the body was moved; `None` if it was without forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motion: Option<String>,
-    /// Which share of the session it is, as in `3/16`; `None` if it is all of it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub share: Option<String>,
     /// What the command that made it was asked, with all that it chose by default, as it reads it again; null if that was no
     /// command, and in sessions of versions that did not write it.
     #[serde(default, skip_serializing_if = "Value::is_null")]

@@ -1,17 +1,18 @@
 //! The trials of a study as files in a folder, written by one or several interruptible processes.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::run::{MOST_TRIALS, TrialRecord};
 use super::{Asked, Findings, StudyOptions, StudyRun};
 use crate::error::Error;
-use crate::session::{STUDY_SHARE_FILE, ShareRecord, difference, files};
+use crate::session::{SHARES_FOLDER, STUDY_SHARE_FILE, files};
 use crate::share::Share;
 
 /// Where trials are, in the folder of a share.
@@ -30,11 +31,17 @@ pub struct StudyShare {
     pub asked: Asked,
 }
 
-impl ShareRecord for StudyShare {
-    const FILE: &'static str = STUDY_SHARE_FILE;
-    const OF: &'static str = "study";
+impl StudyShare {
+    /// Whether a folder holds one.
+    pub(crate) fn is_in(folder: &Path) -> bool {
+        folder.join(STUDY_SHARE_FILE).exists()
+    }
 
-    fn read(folder: &Path) -> Result<StudyShare, Error> {
+    /// Reads the record of a folder.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is something else.
+    pub fn read(folder: &Path) -> Result<StudyShare, Error> {
         let file = folder.join(STUDY_SHARE_FILE);
         let share: StudyShare = read(&file, "the share of a study of this version")?;
         let StudyOptions { trials, seed, .. } = share.asked.options;
@@ -45,30 +52,20 @@ impl ShareRecord for StudyShare {
         Ok(share)
     }
 
-    fn share(&self) -> Option<&str> {
-        Some(&self.share)
-    }
-
-    fn command(&self) -> &[String] {
-        &self.command
-    }
-
-    fn is_whole(&self, folder: &Path) -> bool {
-        self.missing(folder).is_empty()
-    }
-
+    /// What differs from what another share was asked for, in words, though both are to be of the same study; `None` if nothing does.
     fn difference(&self, other: &StudyShare) -> Option<String> {
         difference(&json!(self.asked), &json!(other.asked))
     }
-}
 
-impl StudyShare {
-    /// Reads the record of a folder.
-    ///
-    /// # Errors
-    /// If it cannot be read, or is something else.
-    pub fn read(folder: &Path) -> Result<StudyShare, Error> {
-        ShareRecord::read(folder)
+    /// Whether this record of a folder is that of what is asked for.
+    fn check(&self, folder: &Path, asked: &StudyShare) -> Result<(), Error> {
+        let why = match self.difference(asked) {
+            _ if self.share != asked.share => "it belongs to another share".to_string(),
+            Some(difference) => format!("it belongs to another study ({difference})"),
+            None => return Ok(()),
+        };
+        let why = format!("{why}: give another folder with --out");
+        Err(Error::unfit(&folder.join(STUDY_SHARE_FILE), why))
     }
 
     /// Makes the trials of this share that are missing in its folder, which is the caller's alone, on all threads; tells the caller
@@ -102,14 +99,140 @@ impl StudyShare {
     }
 }
 
+/// The shares of a study in a folder that were begun.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Shares {
+    of: u64,
+    begun: BTreeMap<Share, PathBuf>,
+}
+
+impl Shares {
+    /// The folder of a share: `shares/03-of-16`.
+    pub(crate) fn folder(of: &Path, share: Share) -> PathBuf {
+        let width = share.of().to_string().len();
+        of.join(SHARES_FOLDER).join(format!("{:0width$}-of-{}", share.number(), share.of()))
+    }
+
+    /// Looks for the shares in a folder.
+    pub(crate) fn find(folder: &Path) -> Result<Shares, Error> {
+        let place = folder.join(SHARES_FOLDER);
+        if !place.is_dir() {
+            let message = "it contains no shares: make them with `bodyschema study … --shard 1/3 --out DIR`, and give that DIR";
+            return Err(Error::content(folder, None, message));
+        }
+        let io = || Error::unreadable(&place);
+        let mut begun = BTreeMap::new();
+        for entry in fs::read_dir(&place).map_err(io())? {
+            let path = entry.map_err(io())?.path();
+            let share = path.file_name().and_then(|name| name.to_str()).and_then(named);
+            begun.extend(
+                share.filter(|share| Shares::folder(folder, *share) == path).map(|share| (share, path)),
+            );
+        }
+        let mut counts = begun.keys().map(|share| share.of());
+        let Some(of) = counts.next() else {
+            return Err(Error::content(&place, None, "it contains no share: make one with --shard"));
+        };
+        if let Some(other) = counts.find(|other| *other != of) {
+            let message = format!("it contains shares of {of} and of {other}: remove one kind");
+            return Err(Error::content(&place, None, message));
+        }
+        Ok(Shares { of, begun })
+    }
+
+    /// Those that were begun, and where they are.
+    pub(crate) fn begun(&self) -> impl Iterator<Item = (Share, &Path)> {
+        self.begun.iter().map(|(share, path)| (*share, path.as_path()))
+    }
+
+    /// Those that were not.
+    pub(crate) fn missing(&self) -> Vec<Share> {
+        Share::all(self.of).filter(|share| !self.begun.contains_key(share)).collect()
+    }
+}
+
+/// The share that a folder is named after.
+fn named(name: &str) -> Option<Share> {
+    let (number, of) = name.split_once("-of-")?;
+    Share::new(number.parse().ok()?, of.parse().ok()?)
+}
+
+/// Shares that have to be made before all can be put together.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Unready {
+    /// Those that were not begun, or of which nothing is left.
+    pub missing: Vec<Share>,
+    /// Those that were interrupted, or are being made.
+    pub unfinished: Vec<Share>,
+    /// How one that was begun was asked for, word by word; empty if that was not kept.
+    pub command: Vec<String>,
+}
+
+impl Unready {
+    /// All of them, in their order.
+    pub(crate) fn all(&self) -> Vec<Share> {
+        let mut all: Vec<Share> = self.missing.iter().chain(&self.unfinished).copied().collect();
+        all.sort_unstable();
+        all
+    }
+}
+
+/// A share of a study with its folder and record.
+pub type MadeShare = (Share, PathBuf, StudyShare);
+
+/// All shares of a study with their records and folders, if all are made; else which are not.
+pub(crate) fn made_shares(shares: &Shares) -> Result<Result<Vec<MadeShare>, Unready>, Error> {
+    let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
+    let mut made: Vec<MadeShare> = Vec::new();
+    for (share, folder) in shares.begun() {
+        // One that was killed at once has none yet.
+        if !StudyShare::is_in(folder) {
+            unready.missing.push(share);
+            continue;
+        }
+        let record = StudyShare::read(folder)?;
+        let unfit = |why: String| Err(Error::unfit(&folder.join(STUDY_SHARE_FILE), why));
+        if record.share != share.to_string() {
+            return unfit(format!(
+                "it does not belong to share {share}: move it where it belongs, or make that share again"
+            ));
+        }
+        match made.first() {
+            None => unready.command = record.command.clone(),
+            Some((_, other, first)) => {
+                if let Some(difference) = first.difference(&record) {
+                    return unfit(format!(
+                        "it belongs to another study than {} ({difference}): make one of them again",
+                        other.display()
+                    ));
+                }
+            }
+        }
+        if !record.missing(folder).is_empty() {
+            unready.unfinished.push(share);
+        }
+        made.push((share, folder.to_path_buf(), record));
+    }
+    Ok(if unready.all().is_empty() { Ok(made) } else { Err(unready) })
+}
+
+/// The first that differs of what two JSON objects say, in words; `None` if nothing does.
+pub(crate) fn difference(one: &Value, other: &Value) -> Option<String> {
+    one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
+        same if same == value => None,
+        inner if value.is_object() && inner.is_object() => difference(value, inner),
+        another => Some(format!("{name} is {value} in one, {another} in the other")),
+    })
+}
+
 impl Findings {
     /// What the trials of shares come to that are all made, each in its folder.
     ///
     /// # Errors
     /// If there is no share, a file cannot be read, or holds no trial.
-    pub(crate) fn of_shares(shares: &[(Share, PathBuf, StudyShare)]) -> Result<Findings, Error> {
+    pub(crate) fn of_shares(shares: &[MadeShare]) -> Result<Findings, Error> {
         let (.., first) = shares.first().ok_or_else(|| Error::usage("it contains no share of the study"))?;
-        let files = |(_, folder, share): &(Share, PathBuf, StudyShare)| {
+        let files = |(_, folder, share): &MadeShare| {
             let file = |seed| (seed, trial_file(folder, seed));
             share.seeds().into_iter().map(file).collect::<Vec<_>>()
         };
@@ -128,4 +251,27 @@ fn read<T: DeserializeOwned>(path: &Path, what: &str) -> Result<T, Error> {
     serde_json::from_slice(&text).map_err(|error| {
         Error::unfit(path, format!("not {what} ({error}): remove it and make its share again"))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_found_where_they_are_made() {
+        let place = tempfile::tempdir().unwrap();
+        let refused = |place: &Path| Shares::find(place).unwrap_err().to_string();
+        assert!(refused(place.path()).contains("--shard"));
+        for number in [3, 16, 1] {
+            fs::create_dir_all(Shares::folder(place.path(), Share::new(number, 16).unwrap())).unwrap();
+        }
+        fs::create_dir(place.path().join("shares/notes")).unwrap();
+        let shares = Shares::find(place.path()).unwrap();
+        let begun: Vec<String> = shares.begun().map(|(share, _)| share.to_string()).collect();
+        assert_eq!((shares.of, shares.missing().len()), (16, 13));
+        assert_eq!(begun, ["1/16", "3/16", "16/16"]);
+        assert!(place.path().join("shares/03-of-16").is_dir());
+        fs::create_dir(place.path().join("shares/1-of-2")).unwrap();
+        assert!(refused(place.path()).contains("of 2 and of 16"));
+    }
 }

@@ -540,7 +540,6 @@ fn session() -> Session {
             known: None,
             policy: Some("stages".into()),
             motion: Some("dynamic".into()),
-            share: Some("3/16".into()),
             asked: serde_json::json!({"touches": 40, "joint_noise": 0.1}),
         },
         effort: Some(BabblingEffort {

@@ -18,7 +18,7 @@ use crate::common::shell::copy;
 use crate::common::{repository, two_arms};
 
 /// Logs, which grow line by line: what a killed process leaves of them is their beginning.
-const GROWING: [&str; 3] = ["touches.jsonl", "bouts.csv", ".txt"];
+const GROWING: [&str; 2] = ["touches.jsonl", ".txt"];
 /// How often an undisturbed command is tried until it is killed before its end.
 const TRIES: usize = 20;
 
@@ -42,7 +42,6 @@ impl Yard {
         let babble = "babble arms.xml --touches 60 --learner hersch --quiet";
         yard.succeeds(&format!("{babble} --out whole"));
         for number in [1, 2] {
-            yard.succeeds(&format!("{babble} --shard {number}/2 --out shares"));
             yard.succeeds(&format!(
                 "study learners arms.xml --trials 2 --touches 12 --shard {number}/2 --out trials"
             ));
@@ -194,8 +193,6 @@ fn quick(yard: &Yard) -> Vec<Job> {
     vec![
         yard.job("study learners arms.xml --trials 2 --touches 12 --out s", None),
         yard.job("study learners arms.xml --trials 2 --touches 12 --shard 1/1 --out s", None),
-        yard.job("babble arms.xml --touches 200 --shard 1/2 --out s", None),
-        yard.job("study merge s", Some("shares")),
         yard.job("study merge s", Some("trials")),
         yard.job("skin arms.xml --out s/skin.xml", None),
         yard.job("export whole --out s/body.xml", None),

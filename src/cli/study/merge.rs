@@ -3,28 +3,23 @@
 use std::path::{Path, PathBuf};
 
 use super::{FILES, save};
-use crate::cli::babble::{Job, SessionArguments};
-use crate::cli::folders::{Force, new_folder, session_folder, written_session};
-use crate::cli::live::LiveOptions;
+use crate::cli::folders::{Force, new_folder};
 use crate::cli::{Failure, Outcome};
 use crate::named::listed;
-use crate::session::{
-    FolderLock, MadeShares, SESSION_FILE, STUDY_FILE, Session, ShareRecord, Shares, Unready, made_shares,
-};
+use crate::session::{FolderLock, STUDY_FILE};
 use crate::share::Share;
-use crate::study::{Findings, StudyShare};
+use crate::study::{Findings, MadeShare, Shares, Unready, made_shares};
 use crate::view::text::shell_words;
 
-/// Merge the shares of a session or a study.
+/// Merge the shares of a study.
 ///
-/// The shares were made by separate processes, with `babble … --shard 1/16 --out DIR` and so on, or `study … --shard`.
-/// The merged log, or the study's table, is byte for byte what a single process would have written; the body schema is
-/// then learned from the log as in `babble`. Missing and interrupted shares are listed; only those have to be made
-/// again. The command can be repeated at any time and resumes where it was interrupted.
+/// The shares were made by separate processes, with `study … --shard 1/16 --out DIR` and so on. The table is byte for byte
+/// what a single process would have written. Missing and interrupted shares are listed; only those have to be made again.
+/// The command can be repeated at any time and resumes where it was interrupted.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
-  bodyschema study merge sessions/big
-  bodyschema study merge sessions/big --missing      # shares still to be made, such as 4,7
+  bodyschema study merge studies/many
+  bodyschema study merge studies/many --missing      # shares still to be made, such as 4,7
 See docs/many.md for scripts that make all shares with Slurm, GNU parallel or HyperQueue.")]
 pub struct MergeArguments {
     /// The folder given to all shares with --out
@@ -32,24 +27,14 @@ pub struct MergeArguments {
     /// Only print the numbers of missing and interrupted shares, separated by commas
     #[arg(long)]
     missing: bool,
-    /// Number of threads; affects only the running time [default: one per core]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
     /// Print one JSON object
     #[arg(long, help_heading = "Output")]
     json: bool,
 }
 
 pub fn run(args: &MergeArguments) -> Outcome {
-    let shares = Shares::find(&args.folder)?;
-    if shares.begun().any(|(_, folder)| StudyShare::is_in(folder)) {
-        return match made_shares::<StudyShare>(&shares)? {
-            Ok(made) if !args.missing => study(args, &made),
-            found => tell_unready(args, found.err()),
-        };
-    }
-    match made_shares(&shares)? {
-        Ok(made) if !args.missing => session(args, &made),
+    match made_shares(&Shares::find(&args.folder)?)? {
+        Ok(made) if !args.missing => study(args, &made),
         found => tell_unready(args, found.err()),
     }
 }
@@ -66,7 +51,7 @@ fn tell_unready(args: &MergeArguments, unready: Option<Unready>) -> Outcome {
 }
 
 /// Puts a study together.
-fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcome {
+fn study(args: &MergeArguments, made: &[MadeShare]) -> Outcome {
     let folder = &args.folder;
     if folder.join(STUDY_FILE).exists() {
         // One who was killed when all was done left nothing to do but this.
@@ -77,17 +62,6 @@ fn study(args: &MergeArguments, made: &[(Share, PathBuf, StudyShare)]) -> Outcom
     let findings = Findings::of_shares(made)?;
     let lock = new_folder(folder, Force::default(), "study", &FILES)?;
     save(&findings, &lock, args.json)
-}
-
-/// Puts a session together.
-fn session(args: &MergeArguments, shares: &MadeShares<Session>) -> Outcome {
-    let folder = &args.folder;
-    let asked = SessionArguments::of_session(&shares[0].2, folder)?;
-    let job = Job::new(asked, args.jobs, None, args.json, &LiveOptions::default())?;
-    if folder.join(SESSION_FILE).exists() {
-        return job.go_on(written_session(folder)?, Some(shares));
-    }
-    job.begin(session_folder(Some(folder), "", Force::default())?, Some(shares))
 }
 
 /// What is to be done before shares can be put together.

@@ -17,7 +17,7 @@ use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::named::plural;
-use crate::session::{FolderLock, STUDY_FILE, ShareRecord};
+use crate::session::{FolderLock, STUDY_FILE};
 use crate::share::Share;
 use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare};
 use crate::view::table::Table;
@@ -182,7 +182,7 @@ impl RunArguments {
 
     /// Makes the trials of a share that are missing.
     fn make_share(&self, run: &StudyRun, made: &StudyShare, share: Share, folder: &Path) -> Outcome {
-        let lock = take_share(folder, share, STUDY_FILE)?;
+        let lock = take_share(folder, share)?;
         let place = lock.folder();
         make(run, made, place)?;
         let count = made.seeds().len();

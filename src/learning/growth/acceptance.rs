@@ -19,8 +19,8 @@ const CHECKED: f64 = 4.0;
 const SURE: f64 = 5e-3;
 const SURE_AXIS: f64 = 0.02;
 const UNSURE_AXIS: f64 = 0.2;
-/// Of an error of its gap a touch leaves open what its leverage lacks to 1. A wrong answer misses by a millimetre: of less than
-/// this share nobody would see anything, and no other touches check it.
+/// Of what a touch misses by, a fit to it leaves open the share that its leverage lacks to 1. Wrong answers miss by a millimetre:
+/// where no more than this share is left, the gap counts as closed all the same, and no other touches check this one.
 const CHECKED_SHARE: f64 = CLOSED / 1e-3;
 /// What swings less counts as if it swung so far, radians.
 const LEAST_SWING: f64 = 1e-6;
@@ -80,9 +80,9 @@ impl Growth {
             let of_row = |row: &Equation| (row_variance(&row.entries, &covariance) * self.weight()).min(1.0);
             let leverage = |number: usize| rows[&number].iter().map(of_row).fold(0.0, f64::max);
             let leverages: Vec<(usize, f64)> = new.iter().map(|&number| (number, leverage(number))).collect();
-            let mut checked = leverages.iter().map(|(_, leverage)| 1.0 - leverage > CHECKED_SHARE);
+            let mut is_checked = leverages.iter().map(|(_, leverage)| 1.0 - leverage > CHECKED_SHARE);
             let before = new.len();
-            new.retain(|_| checked.next().expect("every touch has its leverage"));
+            new.retain(|_| is_checked.next().expect("every touch has its leverage"));
             if new.len() < before {
                 continue;
             }

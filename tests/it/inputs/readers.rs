@@ -8,11 +8,10 @@ use std::time::{Duration, Instant};
 use bodyschema::agent::Agent;
 use bodyschema::senses::Firing;
 use bodyschema::session::{
-    BabblingProgress, BoutLine, BoutLog, LearningRecord, Session, SpaceRecord, SpaceSlice, read_bouts,
-    read_calibration_log, read_creature, read_firings, read_known, read_learning_table, read_map,
-    read_recording, read_robot, read_schema_with_std, read_touches, write_firings, write_map,
+    BabblingProgress, LearningRecord, Session, SpaceRecord, SpaceSlice, read_calibration_log, read_creature,
+    read_firings, read_known, read_learning_table, read_map, read_recording, read_robot,
+    read_schema_with_std, read_touches, write_firings, write_map,
 };
-use bodyschema::share::Share;
 use bodyschema::simulation::partner::Script;
 use bodyschema::skin::SomatotopicMap;
 use bodyschema::study::{Asked, StudyOptions, StudyShare};
@@ -281,16 +280,6 @@ impl Yard {
                         .ok_or("not used"),
                 )
             }),
-        );
-        let bouts = [0, 3, 6].map(|bout| BoutLine { bout, touches: 25, effort: effort.of_motions });
-        BoutLog::go_on(&folder, &bouts).unwrap().finish().unwrap();
-        let good = fs::read(folder.join("bouts.csv")).unwrap();
-        add(
-            "bouts",
-            "bouts.csv",
-            &good,
-            2,
-            Box::new(|path| taken(read_bouts(within(path), Share::new(1, 3).unwrap()))),
         );
         let share = StudyShare {
             share: "3/16".into(),
