@@ -222,7 +222,6 @@ pub fn babble(
         policy: policy.map(str::parse).transpose().map_err(raised)?,
         motion: motion.parse().map_err(raised)?,
         learning,
-        ..SessionRequest::default()
     };
     let folder = Arc::new(Folder::new(out)?);
     let (embodied, place) = (creature.get().embodied.clone(), folder.clone());
