@@ -76,7 +76,7 @@ pub struct SessionArguments {
 
 impl SessionArguments {
     /// The options of a session; `folder` is for error messages.
-    pub fn of_session(session: &Session, folder: &Path) -> Result<SessionArguments, Failure> {
+    fn of_session(session: &Session, folder: &Path) -> Result<SessionArguments, Failure> {
         let place = folder.join(SESSION_FILE).display().to_string();
         if session.recording.is_some() || session.options.touches == 0 {
             return Err(Failure(format!(
@@ -109,7 +109,7 @@ pub fn run(args: &BabbleArguments) -> Outcome {
 }
 
 /// A session that is asked for, with all that is made ready before the first touch.
-pub struct Job {
+struct Job {
     asked: SessionArguments,
     embodied: Embodied,
     setup: SessionSetup,
@@ -119,7 +119,7 @@ pub struct Job {
 }
 
 impl Job {
-    pub fn new(
+    fn new(
         mut asked: SessionArguments,
         jobs: Option<u16>,
         json: bool,

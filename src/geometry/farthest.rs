@@ -41,7 +41,7 @@ enum Cell {
 
 /// Where a cell is on the cube.
 #[derive(Clone, Copy)]
-struct Patch {
+struct Square {
     /// The coordinate in which the cube's face is at 1 or -1, and this.
     axis: usize,
     side: f64,
@@ -52,7 +52,7 @@ struct Patch {
     depth: usize,
 }
 
-impl Patch {
+impl Square {
     /// The directions through its corners.
     fn corners(&self) -> [Vector3<f64>; 4] {
         [0, 1, 2, 3].map(|quarter| {
@@ -80,10 +80,10 @@ impl Patch {
     }
 
     /// A quarter, whose middle is by so much of half a side off this one's in both coordinates.
-    fn quarter(&self, quarter: usize, off: f64) -> Patch {
+    fn quarter(&self, quarter: usize, off: f64) -> Square {
         let sign = |bit: usize| if quarter >> bit & 1 == 1 { off } else { -off };
         let middle = [0, 1].map(|k| self.middle[k] + sign(k) * self.half);
-        Patch { middle, half: 0.5 * self.half, depth: self.depth + 1, ..*self }
+        Square { middle, half: 0.5 * self.half, depth: self.depth + 1, ..*self }
     }
 }
 
@@ -94,15 +94,15 @@ impl FarthestPoint {
         let most_cells = 6 + CELLS * points.len();
         let face = |face: usize| {
             let side = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
-            Patch { axis: face / 2, side, middle: [0.0; 2], half: 1.0, depth: 0 }
+            Square { axis: face / 2, side, middle: [0.0; 2], half: 1.0, depth: 0 }
         };
         let mut filled = FarthestPoint { points: Vec::new(), cells: vec![Cell::Points([0; 2]); 6] };
         // Large cells first.
-        let mut open: VecDeque<(usize, Patch, Vec<Vector3<f64>>)> =
+        let mut open: VecDeque<(usize, Square, Vec<Vector3<f64>>)> =
             (0..6).map(|number| (number, face(number), face(number).farthest_of(points, slack))).collect();
-        while let Some((cell, patch, own)) = open.pop_front() {
+        while let Some((cell, square, own)) = open.pop_front() {
             let first = filled.cells.len();
-            if own.len() <= FEW || patch.depth == DEEPEST || first >= most_cells {
+            if own.len() <= FEW || square.depth == DEEPEST || first >= most_cells {
                 let first = filled.points.len();
                 filled.points.extend(own);
                 filled.cells[cell] = Cell::Points([first, filled.points.len()]);
@@ -111,7 +111,7 @@ impl FarthestPoint {
             filled.cells[cell] = Cell::Quartered(first);
             filled.cells.extend([Cell::Points([0; 2]); 4]);
             open.extend((0..4).map(|number| {
-                let quarter = patch.quarter(number, 0.5);
+                let quarter = square.quarter(number, 0.5);
                 (first + number, quarter, quarter.farthest_of(&own, slack))
             }));
         }

@@ -9,8 +9,9 @@ use super::collada;
 use super::source::{Refused, Source, whole_folder_of, with_slashes};
 use super::tree::Element;
 
-/// The kinds of files that meshes are read from: those of the engine, and PLY and COLLADA here.
-const KINDS: [&str; 5] = ["stl", "obj", "msh", "ply", "dae"];
+/// The kinds of files that meshes are read from: by the engine, and here alone.
+const OF_ENGINE: [&str; 3] = ["stl", "obj", "msh"];
+const OF_OTHERS: [&str; 2] = ["ply", "dae"];
 
 /// How a file begins that Git LFS has in the place of another.
 const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
@@ -201,7 +202,7 @@ fn found_fault(file: &Path) -> Option<String> {
     if read.is_ok() && begins == POINTER {
         return Some(format!("{place} is a Git LFS pointer, not a mesh; fetch it with `git lfs pull`"));
     }
-    (!KINDS.contains(&kind(file).as_str()))
+    (!OF_ENGINE.contains(&kind(file).as_str()) && !is_of_others(file))
         .then(|| format!("{place} is not STL, OBJ, PLY, DAE or MSH; convert it to one of these"))
 }
 
@@ -225,8 +226,13 @@ pub(super) fn holds_corners(file: &Path) -> bool {
     all_corners(file).is_some_and(|corners| !corners.is_empty())
 }
 
+/// Whether a file is of a kind that the engine does not read, but whose corners are read here.
+pub(super) fn is_of_others(file: &Path) -> bool {
+    OF_OTHERS.contains(&kind(file).as_str())
+}
+
 /// The kind of a file by its name, in small letters.
-pub(super) fn kind(file: &Path) -> String {
+fn kind(file: &Path) -> String {
     file.extension().and_then(|kind| kind.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 

@@ -9,8 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::expand::{Expanded, REFERENCES};
-use super::meshes::kind;
-use super::meshes::{fault, mesh_name, take_corners};
+use super::meshes::{fault, is_of_others, mesh_name, take_corners};
 use super::references::{Name, names, stands};
 use super::source::{LeftOut, Refused, Source};
 use super::tree::{Element, element, is_of};
@@ -118,9 +117,7 @@ impl Reduced {
         let Reduced { root, left_out } = self;
         let mut faulty: BTreeMap<String, String> = BTreeMap::new();
         root.each(&mut |e| {
-            // What the engine does not read.
-            let kind = e.get("file").map(|file| kind(Path::new(file)));
-            let of_others = kind.is_some_and(|kind| ["ply", "dae"].contains(&kind.as_str()));
+            let of_others = e.get("file").is_some_and(|file| is_of_others(Path::new(file)));
             if e.name == "mesh" && (of_others || fault(e).is_some()) && !take_corners(e) {
                 let fault = fault(e).unwrap_or_else(|| "it cannot be read".into());
                 faulty.insert(mesh_name(e).unwrap_or_default(), fault);

@@ -132,8 +132,12 @@ impl<'a> Movers<'a> {
     /// and where the engine fails.
     pub fn new(body: &'a Body, agent: &'a Agent, motion: MotionName) -> Result<Movers<'a>, Error> {
         if agent.skin().receptors.is_empty() {
-            // A skin is grown on whatever has a surface.
-            let sentence = "none of its limbs has a surface that can be touched; give geoms of shapes or meshes that can be read";
+            let sentence = match body.surface().contains(&true) {
+                true => "the model has no touch sensors; grow a skin with `bodyschema skin MODEL --out NEW`",
+                false => {
+                    "none of its limbs has a surface that can be touched; give geoms of shapes or meshes that can be read"
+                }
+            };
             return Err(Error::model(sentence));
         }
         let SelfContact { left_out, start, .. } = SelfContact::new(body)?;

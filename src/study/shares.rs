@@ -141,12 +141,12 @@ impl Shares {
     }
 
     /// Those that were begun, and where they are.
-    pub(crate) fn begun(&self) -> impl Iterator<Item = (Share, &Path)> {
+    fn begun(&self) -> impl Iterator<Item = (Share, &Path)> {
         self.begun.iter().map(|(share, path)| (*share, path.as_path()))
     }
 
     /// Those that were not.
-    pub(crate) fn missing(&self) -> Vec<Share> {
+    fn missing(&self) -> Vec<Share> {
         Share::all(self.of).filter(|share| !self.begun.contains_key(share)).collect()
     }
 }
@@ -178,7 +178,7 @@ impl Unready {
 }
 
 /// A share of a study with its folder and record.
-pub type MadeShare = (Share, PathBuf, StudyShare);
+pub(crate) type MadeShare = (Share, PathBuf, StudyShare);
 
 /// All shares of a study with their records and folders, if all are made; else which are not.
 pub(crate) fn made_shares(shares: &Shares) -> Result<Result<Vec<MadeShare>, Unready>, Error> {
@@ -217,7 +217,7 @@ pub(crate) fn made_shares(shares: &Shares) -> Result<Result<Vec<MadeShare>, Unre
 }
 
 /// The first that differs of what two JSON objects say, in words; `None` if nothing does.
-pub(crate) fn difference(one: &Value, other: &Value) -> Option<String> {
+fn difference(one: &Value, other: &Value) -> Option<String> {
     one.as_object()?.iter().find_map(|(name, value)| match &other[name] {
         same if same == value => None,
         inner if value.is_object() && inner.is_object() => difference(value, inner),

@@ -80,10 +80,9 @@ impl Growth {
             let of_row = |row: &Equation| (row_variance(&row.entries, &covariance) * self.weight()).min(1.0);
             let leverage = |number: usize| rows[&number].iter().map(of_row).fold(0.0, f64::max);
             let leverages: Vec<(usize, f64)> = new.iter().map(|&number| (number, leverage(number))).collect();
-            let mut is_checked = leverages.iter().map(|(_, leverage)| 1.0 - leverage > CHECKED_SHARE);
-            let before = new.len();
-            new.retain(|_| is_checked.next().expect("every touch has its leverage"));
-            if new.len() < before {
+            let checked_ones = leverages.iter().filter(|(_, leverage)| 1.0 - leverage > CHECKED_SHARE);
+            new = checked_ones.map(|(number, _)| *number).collect();
+            if new.len() < leverages.len() {
                 continue;
             }
             let checked = |of: &dyn Fn(&GrownTouch) -> bool| -> f64 {
