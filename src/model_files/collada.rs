@@ -4,21 +4,25 @@
 //! (COLLADA 1.4.1, 2008). Lengths are in the file's unit; which way is up counts for nothing, as in ROS.
 
 use std::cell::Cell;
+use std::collections::HashMap;
 use std::path::Path;
 
 use nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
 
-use super::source::{parse, text_from};
+use super::source::{first_tag, parse, text_from};
 use super::tree::{Element, numbers};
 
 /// Nodes at the most, one in the other and in all: what places itself would go on for ever, or nearly.
 const DEEPEST: usize = 100;
 const MOST: usize = 100_000;
+/// Corners at the most: what places a large mesh again and again would fill the memory.
+const MOST_CORNERS: usize = 10_000_000;
 
 /// A file's text and what is in it.
 struct Collada<'t> {
     text: &'t str,
-    root: Element,
+    /// What can be called, the first of a name and an `id`.
+    called: HashMap<[&'t str; 2], &'t Element>,
     /// How many nodes were placed.
     placed: Cell<usize>,
 }
@@ -27,11 +31,15 @@ struct Collada<'t> {
 pub(super) fn corners(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     let text = text_from(bytes);
     let root = parse(Path::new(""), &text).ok().filter(|root| root.name == "COLLADA")?;
-    let file = Collada { text: &text, root, placed: Cell::new(0) };
-    let unit = file.root.child("asset").and_then(|asset| asset.child("unit")?.number("meter"));
+    let mut file = Collada { text: &text, called: HashMap::new(), placed: Cell::new(0) };
+    for element in root.descendants() {
+        let key = element.get("id").map(|id| [element.name.as_str(), id]);
+        key.map(|key| file.called.entry(key).or_insert(element));
+    }
+    let unit = root.child("asset").and_then(|asset| asset.child("unit")?.number("meter"));
     let metres = Matrix4::new_scaling(unit.unwrap_or(1.0));
     let mut corners = Vec::new();
-    let scenes = file.root.all("library_visual_scenes").flat_map(|library| &library.children);
+    let scenes = root.all("library_visual_scenes").flat_map(|library| &library.children);
     for node in scenes.flat_map(|scene| scene.all("node")) {
         file.place(node, &metres, DEEPEST, &mut corners)?;
     }
@@ -75,7 +83,10 @@ impl Collada<'_> {
                 }
                 "instance_geometry" => {
                     let own = self.positions(self.called("geometry", child.get("url")?)?)?;
-                    corners.extend(own.map(|p| <[f64; 3]>::from(at.transform_point(&p)).map(|x| x as f32)));
+                    if corners.len() + own.len() > MOST_CORNERS {
+                        return None;
+                    }
+                    corners.extend(own.iter().map(|p| <[f32; 3]>::from(at.transform_point(p).cast::<f32>())));
                 }
                 _ => {}
             }
@@ -84,31 +95,27 @@ impl Collada<'_> {
     }
 
     /// The corners of a geometry; none of one that is no mesh.
-    fn positions(&self, geometry: &Element) -> Option<impl Iterator<Item = Point3<f64>>> {
-        let mut own = Vec::new();
-        if let Some(mesh) = geometry.child("mesh") {
-            let inputs = mesh.child("vertices")?.all("input");
-            let position = { inputs }.find(|input| input.get("semantic") == Some("POSITION"))?;
-            let source = self.called("source", position.get("source")?)?;
-            let accessor = source.descendants().find(|child| child.name == "accessor");
-            let stride = accessor.and_then(|accessor| accessor.number("stride")).unwrap_or(3.0) as usize;
-            let all = numbers(self.content(source.child("float_array")?)?);
-            own.extend(all.chunks_exact(stride.max(3)).map(|p| Point3::new(p[0], p[1], p[2])));
-        }
-        Some(own.into_iter())
+    fn positions(&self, geometry: &Element) -> Option<Vec<Point3<f64>>> {
+        let Some(mesh) = geometry.child("mesh") else { return Some(Vec::new()) };
+        let position =
+            mesh.child("vertices")?.all("input").find(|of| of.get("semantic") == Some("POSITION"))?;
+        let source = self.called("source", position.get("source")?)?;
+        let accessor = source.descendants().find(|child| child.name == "accessor");
+        let stride = accessor.and_then(|accessor| accessor.number("stride")).unwrap_or(3.0) as usize;
+        let all = numbers(self.content(source.child("float_array")?)?);
+        Some(all.chunks_exact(stride.max(3)).map(|p| Point3::new(p[0], p[1], p[2])).collect())
     }
 
     /// The element of a name that `#id` means.
     fn called(&self, name: &str, url: &str) -> Option<&Element> {
-        let id = url.strip_prefix('#')?;
-        self.root.descendants().find(|element| element.name == name && element.get("id") == Some(id))
+        self.called.get(&[name, url.strip_prefix('#')?]).copied()
     }
 
     /// What stands in an element.
     fn content(&self, element: &Element) -> Option<&str> {
         let place = element.place.as_ref()?;
-        let own = self.text.get(place.at..place.end)?;
-        Some(own.split_once('>')?.1.rsplit_once('<').map_or("", |(inside, _)| inside))
+        let own = self.text.get(first_tag(self.text, place.at)?.1..place.end)?;
+        Some(own.rsplit_once('<').map_or("", |(inside, _)| inside))
     }
 }
 
@@ -124,7 +131,7 @@ mod tests {
     <technique_common><accessor source="#f" count="1" stride="3"/></technique_common></source>
     <vertices id="v"><input semantic="POSITION" source="#s"/></vertices></mesh></geometry></library_geometries>
   <library_nodes><node id="part"><instance_geometry url="#g"/></node>
-    <node id="ring"><instance_node url="#ring"/></node>
+    <node id="ring"><instance_node url="#ring"/></node><node id="g"/>
     <node id="many"><instance_node url="#many"/><instance_node url="#many"/></node></library_nodes>
   <library_visual_scenes><visual_scene id="scene">{nodes}</visual_scene></library_visual_scenes></COLLADA>"##
         );

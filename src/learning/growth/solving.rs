@@ -1,7 +1,5 @@
 //! One part of a body from random initial guesses to an answer.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -46,8 +44,6 @@ const RELAXED_GAPS: [f64; 2] = [3e-3, WIDEST];
 const AGREEING: usize = 4;
 /// Touches that the first part needs, in units of its joints' unknowns, to do without limbs beyond joints that rest.
 const INNER_TOUCHES: f64 = 1.6;
-/// Touches of two limbs below which a part is solved without them: they may all be false.
-const OFTEN_BETWEEN: usize = 4;
 /// Touches that a part is solved by at the most, in units of its unknowns.
 const MOST_TOUCHES: usize = 8;
 /// Positions and axes known to this, metres and radians, are held while a part is solved: it makes no difference.
@@ -184,10 +180,6 @@ impl Growth {
                 solved_by = inner;
             }
         }
-        let mut between: BTreeMap<[usize; 2], usize> = BTreeMap::new();
-        let limbs = |number: usize| self.touches[number].told.limbs;
-        solved_by.iter().for_each(|&number| *between.entry(limbs(number)).or_default() += 1);
-        solved_by.retain(|&number| between[&limbs(number)] >= OFTEN_BETWEEN);
         if solved_by.is_empty() {
             return None;
         }
