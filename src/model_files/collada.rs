@@ -12,6 +12,8 @@ use nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
 use super::source::{first_tag, parse, text_from};
 use super::tree::{Element, numbers};
 
+/// The elements that say where a node is.
+const MOVES: [&str; 4] = ["matrix", "translate", "scale", "rotate"];
 /// Nodes at the most, one in the other and in all: what places itself would go on for ever, or nearly.
 const DEEPEST: usize = 100;
 const MOST: usize = 100_000;
@@ -27,14 +29,13 @@ struct Collada<'t> {
     placed: Cell<usize>,
 }
 
-/// All corners in a file, as often as they are placed, metres; `None` where it is malformed.
+/// All corners in a file, as often as they are placed, metres; `None` where it is malformed, or these are too many.
 pub(super) fn corners(bytes: &[u8]) -> Option<Vec<[f32; 3]>> {
     let text = text_from(bytes);
     let root = parse(Path::new(""), &text).ok().filter(|root| root.name == "COLLADA")?;
     let mut file = Collada { text: &text, called: HashMap::new(), placed: Cell::new(0) };
-    for element in root.descendants() {
-        let key = element.get("id").map(|id| [element.name.as_str(), id]);
-        key.map(|key| file.called.entry(key).or_insert(element));
+    for (id, element) in root.descendants().filter_map(|element| Some((element.get("id")?, element))) {
+        file.called.entry([element.name.as_str(), id]).or_insert(element);
     }
     let unit = root.child("asset").and_then(|asset| asset.child("unit")?.number("meter"));
     let metres = Matrix4::new_scaling(unit.unwrap_or(1.0));
@@ -61,9 +62,8 @@ impl Collada<'_> {
             return None;
         }
         let mut at = *parent;
-        for child in &node.children {
-            let numbers = numbers(self.content(child)?);
-            at *= match (child.name.as_str(), numbers.as_slice()) {
+        for child in node.children.iter().filter(|child| MOVES.contains(&child.name.as_str())) {
+            at *= match (child.name.as_str(), numbers(self.content(child)?).as_slice()) {
                 ("matrix", all) if all.len() == 16 => Matrix4::from_row_slice(all),
                 ("translate", &[x, y, z]) => Matrix4::new_translation(&Vector3::new(x, y, z)),
                 ("scale", &[x, y, z]) => Matrix4::new_nonuniform_scaling(&Vector3::new(x, y, z)),
@@ -71,8 +71,7 @@ impl Collada<'_> {
                     let axis = Unit::try_new(Vector3::new(x, y, z), f64::MIN_POSITIVE)?;
                     Rotation3::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous()
                 }
-                ("matrix" | "translate" | "scale" | "rotate", _) => return None,
-                _ => continue,
+                _ => return None,
             };
         }
         for child in &node.children {
