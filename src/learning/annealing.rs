@@ -48,6 +48,8 @@ const POINT_STEPS: usize = 6;
 /// … and how wide it is, in units of what half of all touches leave apart, and in deviations at the least.
 const WIDTH: f64 = 2.0;
 const LEAST_WIDTH: f64 = 3.0;
+/// … which end where one brings half of them no nearer than this, in units of how near the one before did.
+const NO_NEARER: f64 = 0.99;
 /// Half of all touches leave receptors fewer deviations apart where an answer is near: right ones of a whole body 1.5 at the most,
 /// most wrong ones 2.2 and more.
 pub const HOPELESS: f64 = 2.0;
@@ -128,8 +130,14 @@ pub fn meet(
     let stopping = Stopping { iterations: POINT_STEPS, relative_cost: 1e-4, cost: 0.0, deadline };
     let touches = touches.with_held(creature, parameters, &start);
     let mut schema = start;
+    let mut before = f64::INFINITY;
     for _ in 0..fits {
-        let width = LEAST_WIDTH.max(WIDTH * usual_miss(&touches, &schema));
+        let miss = usual_miss(&touches, &schema);
+        if miss > NO_NEARER * before {
+            break;
+        }
+        before = miss;
+        let width = LEAST_WIDTH.max(WIDTH * miss);
         let model = PointsMeet::Mostly(width);
         let mut problem = TouchProblem::new(creature, &touches, parameters, model).with_prior(prior);
         schema = levenberg_marquardt(&mut problem, schema, stopping).state;

@@ -61,6 +61,9 @@ pub struct Stopping {
 /// How much the first step is damped, in units of the curvature along each parameter.
 pub const FIRST_DAMPING: f64 = 1e-3;
 
+/// Columns of a block of a matrix that is factorized.
+const BLOCK: usize = 32;
+
 /// Where the iteration stopped.
 #[derive(Clone, Debug)]
 pub struct Solution<S> {
@@ -107,7 +110,7 @@ pub fn damped_from<P: LeastSquares>(
             for i in 0..damped.nrows() {
                 damped[(i, i)] += *damping * model.scale[i].max(floor);
             }
-            let step = damped.cholesky().map(|factor| factor.solve(&-&model.gradient));
+            let step = solve_symmetric(damped, -&model.gradient);
             if let Some(step) = step {
                 let trial = problem.step(&state, &step);
                 let trial_cost = problem.cost(&trial);
@@ -139,6 +142,29 @@ pub fn damped_from<P: LeastSquares>(
     Solution { state, cost }
 }
 
+/// `A⁻¹ b` of a symmetric matrix given by its lower triangle; none where it is not positive definite. Its Cholesky factor is made
+/// block by block (Golub and Van Loan, "Matrix Computations", 4.2.6): nearly all of the work is products of matrices.
+fn solve_symmetric(mut a: DMatrix<f64>, mut b: DVector<f64>) -> Option<DVector<f64>> {
+    let n = a.nrows();
+    for start in (0..n).step_by(BLOCK) {
+        let (size, next) = (BLOCK.min(n - start), n.min(start + BLOCK));
+        let factor = a.view((start, start), (size, size)).clone_owned().cholesky()?.unpack();
+        a.view_mut((start, start), (size, size)).copy_from(&factor);
+        let inverse = factor.solve_lower_triangular(&DMatrix::identity(size, size))?;
+        let below = a.view((next, start), (n - next, size)) * inverse.transpose();
+        a.view_mut((next, start), (n - next, size)).copy_from(&below);
+        let beside = below.transpose();
+        for column in (next..n).step_by(BLOCK) {
+            let (from, width) = (column - next, BLOCK.min(n - column));
+            let mut left = a.view_mut((column, column), (n - column, width));
+            left.gemm(-1.0, &below.rows(from, n - column), &beside.columns(from, width), 1.0);
+        }
+    }
+    a.solve_lower_triangular_mut(&mut b);
+    a.ad_solve_lower_triangular_mut(&mut b);
+    Some(b)
+}
+
 /// `xᵀ A x` of a symmetric matrix given by its lower triangle.
 fn quadratic(a: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
     let mut sum = 0.0;
@@ -148,4 +174,25 @@ fn quadratic(a: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
         sum += x[j] * (column[j] * x[j] + 2.0 * below);
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symmetric_equations_of_any_size_are_solved_or_refused() {
+        for n in [0, 1, 31, 32, 33, 64, 100] {
+            let root = DMatrix::from_fn(n, n, |i, j| ((7 * i + 13 * j + i * j) as f64).sin());
+            let a = &root * root.transpose() + DMatrix::identity(n, n);
+            let x = DVector::from_fn(n, |i, _| (i as f64).cos());
+            let found = solve_symmetric(a.lower_triangle(), &a * &x).unwrap();
+            assert!((found - x).amax() < 1e-9, "{n}");
+            let mut indefinite = a;
+            if n > 0 {
+                indefinite[(n - 1, n - 1)] = -1.0;
+                assert!(solve_symmetric(indefinite, DVector::zeros(n)).is_none());
+            }
+        }
+    }
 }

@@ -92,6 +92,21 @@ impl Foresight {
         Foreseen::Nothing
     }
 
+    /// The limbs that meet first on the straight way from one posture to another, and about where; none where nothing does. Those
+    /// that touch at the beginning are overlooked.
+    pub fn first_met(&self, schema: &BodySchema, [from, to]: [&[f64]; 2]) -> Option<([usize; 2], Posture)> {
+        let creature = self.agent.creature();
+        let frames = limb_frames(creature, schema, from);
+        let mut apart = self.pairs(|_| true);
+        apart.retain(|&pair| self.pieces.gap(&frames, pair, 0.0) > 0.0);
+        (1..=LOOKS).find_map(|look| {
+            let posture = Posture::between(creature, from, to, look as f64 / LOOKS as f64);
+            let frames = limb_frames(creature, schema, &posture);
+            let met = apart.iter().find(|pair| self.pieces.gap(&frames, **pair, 0.0) <= 0.0)?;
+            Some((*met, posture))
+        })
+    }
+
     /// The pairs of limbs that count, have solid surfaces, and may feel each other.
     fn pairs(&self, counts: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
         let limbs: Vec<usize> = (0..self.agent.creature().limbs().len())

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::evidence::Equation;
 use super::solving::{PartProblem, Solved};
@@ -13,7 +13,7 @@ use crate::learning::prediction::{add_row, information_inverse, row_variance};
 use crate::learning::scrutiny::{CLOSED, Member};
 
 /// Touches that others check which a joint needs, or a limb: a wrong answer closes none of them but by chance.
-const CHECKED: f64 = 4.0;
+const CHECKED: f64 = 3.0;
 /// The most that the skin on a known joint may be off by its axes where the joint turns as far as it can, one standard deviation,
 /// metres; but as much as this an axis may be off wherever its skin is, and never more than that where it turns by a radian, radians.
 const SURE: f64 = 5e-3;
@@ -86,8 +86,13 @@ impl Growth {
                 continue;
             }
             let checked = |of: &dyn Fn(&GrownTouch) -> bool| -> f64 {
-                let told = leverages.iter().filter(|(number, _)| of(&self.touches[*number]));
-                told.map(|(_, leverage)| 1.0 - leverage).sum()
+                let told = || leverages.iter().filter(|(number, _)| of(&self.touches[*number]));
+                let least: f64 = told().map(|(_, leverage)| 1.0 - leverage).sum();
+                if least >= CHECKED {
+                    return least;
+                }
+                let of_it: Vec<&Equation> = told().flat_map(|(number, _)| &rows[number]).collect();
+                checks(&of_it, &covariance, self.weight()) as f64
             };
             let of_joint = |joint: usize| checked(&|touch| touch.told.moving.contains(&joint));
             let deviation = |joint: usize| self.axis_deviation_in(joint, &problem.unit, &covariance);
@@ -136,4 +141,23 @@ impl Growth {
         let elements = self.agent.creature().joints()[joint].elements().filter(|at| !at.is_ball());
         elements.map(|at| deviation(at.axis())).fold(0.0, f64::max)
     }
+}
+
+/// How many equations among some are checked by the others, or by each other: as many as are left once those are taken away that
+/// it takes to tell what nothing else tells. These are the directions in which a fit to them leaves nothing open of what they miss by.
+fn checks(rows: &[&Equation], covariance: &DMatrix<f64>, weight: f64) -> usize {
+    let moved = |row: &&Equation| {
+        let mut moved = DVector::zeros(covariance.nrows());
+        row.entries.iter().for_each(|&(place, slope)| moved.axpy(slope, &covariance.column(place), 1.0));
+        moved
+    };
+    if rows.is_empty() {
+        return 0;
+    }
+    let moved: Vec<DVector<f64>> = rows.iter().map(moved).collect();
+    let left = DMatrix::from_fn(rows.len(), rows.len(), |i, j| {
+        let taken_up: f64 = rows[i].entries.iter().map(|&(place, slope)| slope * moved[j][place]).sum();
+        f64::from(u8::from(i == j)) - weight * taken_up
+    });
+    left.symmetric_eigenvalues().iter().filter(|share| **share > CHECKED_SHARE).count()
 }

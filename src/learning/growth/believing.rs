@@ -198,6 +198,15 @@ impl Growth {
         stands
     }
 
+    /// Takes back a joint or a limb that does not stand against the touches in use; whether all stands.
+    pub fn stands(&mut self) -> bool {
+        let Some(deviation) = self.fit_once() else { return true };
+        let used: Vec<&ToldTouch> = self.used().map(|touch| &*touch.told).collect();
+        let wrong = self.schema().and_then(|schema| self.scrutiny().doubted(&used, schema, deviation));
+        self.take_back_all(wrong.as_slice());
+        wrong.is_none()
+    }
+
     /// Takes back joints and limbs that do not stand.
     pub(super) fn take_back_all(&mut self, wrong: &[Member]) {
         wrong.iter().for_each(|&member| self.take_back(member));

@@ -12,6 +12,7 @@
 //! move, which any smooth curve explains, those count that make a condition of their own (`conditions`).
 
 mod acceptance;
+mod at_once;
 mod believing;
 mod conditions;
 mod evidence;
@@ -23,6 +24,7 @@ mod solving;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+pub use at_once::Outlook;
 pub use learner::Grower;
 use nalgebra::DMatrix;
 pub use part::{GrownTouch, Part};
@@ -54,15 +56,13 @@ const FREEDOM: usize = 4;
 const STARTS: usize = 16;
 /// Unknowns of a first part from which on fewer starts are made, and more touches needed.
 const FIRST_WIDTH: f64 = 45.0;
-/// At first little is waited for: a body that touches itself readily is soon learned.
-const HASTY: Patience = Patience { touches: 1.4, more: 1.2, starts: 40.0 };
-/// … and where that was in vain, for much: wide parts seldom succeed, and narrow ones have wrong answers.
-const PATIENT: Patience = Patience { touches: 3.5, more: MORE, starts: 200.0 };
-/// Starts with first parts that were made in haste, after which there is no more of it.
-const HASTY_STARTS: usize = 120;
-/// The least share of all unknowns that a part which is learned in haste has: from a small part of a large body it is far to the
-/// others.
-const HASTY_SHARE: f64 = 1.0 / 6.0;
+/// Touches that a first part needs, in units of its joints' unknowns, for limbs that rest have theirs, too; where it was tried in vain
+/// so many times as many; and starts from random initial guesses, of which most are soon given up.
+const TOUCHES_AT_FIRST: f64 = 1.4;
+const MORE_AT_FIRST: f64 = 1.2;
+const STARTS_AT_FIRST: f64 = 40.0;
+/// Conditions, in units of the unknowns, from which on touches may tell of joints.
+const CONDITIONS: f64 = 3.5;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
 /// … and where no touches join others to them.
@@ -93,17 +93,6 @@ const TRIED_AT_LAST: usize = 8;
 /// Schemas on the way that are kept; of more every second one is forgotten.
 const MOST_OF_WAY: usize = 12;
 
-/// What is waited for before a first part is learned.
-#[derive(Clone, Copy, Debug)]
-struct Patience {
-    /// Touches that it needs, in units of its joints' unknowns: limbs that rest have theirs, too.
-    touches: f64,
-    /// Those that it needs where it was tried in vain, in units of those that it had.
-    more: f64,
-    /// Starts from random initial guesses, of which most are soon given up.
-    starts: f64,
-}
-
 /// A body's schema as it grows.
 #[derive(Clone, Debug)]
 pub struct Growth {
@@ -116,8 +105,9 @@ pub struct Growth {
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
     starts: usize,
-    /// Whether a first part is looked for in haste.
-    hurries: bool,
+    /// Touches when anything was learned last, and from which on all is tried at once again.
+    learned_after: usize,
+    next_at_once: usize,
     touches: Vec<GrownTouch>,
     /// The conditions that those make that are between the same limbs with the same joints moving.
     conditions: BTreeMap<([usize; 2], Vec<usize>), Conditions>,
@@ -138,8 +128,8 @@ pub struct Growth {
     next: usize,
     /// Per part that was tried in vain, its touches then.
     failed: BTreeMap<Part, usize>,
-    /// What was believed of the body before the first touch.
-    initial_guess: BodySchema,
+    /// What is believed where nothing is known: random at first, then the best answer so far.
+    guess: BodySchema,
     /// What was believed after so many touches, whenever more was known.
     way: Vec<(usize, BodySchema)>,
 }
@@ -172,7 +162,8 @@ impl Growth {
             deadline: Deadline::Never,
             solves: 0,
             starts: 0,
-            hurries: false,
+            learned_after: 0,
+            next_at_once: 0,
             touches: Vec::new(),
             conditions: BTreeMap::new(),
             resolved: (0..creature.joints().len()).map(|joint| !has_axes(creature, joint)).collect(),
@@ -183,7 +174,7 @@ impl Growth {
             fitted: 0,
             next: EVERY,
             failed: BTreeMap::new(),
-            initial_guess: random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed)),
+            guess: random_guess(creature, &mut ChaCha8Rng::seed_from_u64(seed)),
             way: Vec::new(),
         }
     }
@@ -203,11 +194,11 @@ impl Growth {
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let least = if limbs.iter().all(|&limb| self.placed(limb)) { ALIKE } else { ALIKE_UNPLACED };
         // Many touches that are alike are one wrong answer's majority; what moves by one coordinate meets in one place.
-        let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize)
+        let spare = alike > least.max((CONDITIONS * self.width(&unresolved) as f64) as usize)
             || told.moving.is_empty()
             || !is_new && factors.len() < 2;
         let suffices = conditions::most(factors.iter().map(Vec::len)) as f64
-            >= PATIENT.touches * self.width(&told.moving) as f64;
+            >= CONDITIONS * self.width(&told.moving) as f64;
         let told = Arc::new(told);
         self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;
@@ -218,6 +209,7 @@ impl Growth {
         }
         let grown = due && self.grow_trying(TRIED);
         if grown {
+            self.learned_after = self.touches.len();
             self.way.push((self.touches.len(), self.believed()));
             if self.way.len() > MOST_OF_WAY {
                 let mut number = 0;
@@ -233,28 +225,6 @@ impl Growth {
     /// Learns by what touches report, from the next one on.
     pub fn learn_from(&mut self, input: Input) {
         self.input = input;
-    }
-
-    /// Looks for a first part in haste from now on, or does not.
-    pub fn hurry(&mut self, hurries: bool) {
-        self.hurries = hurries;
-    }
-
-    /// Whether it does.
-    pub fn hurries(&self) -> bool {
-        self.hurries
-    }
-
-    fn patience(&self) -> Patience {
-        if self.hurries { HASTY } else { PATIENT }
-    }
-
-    /// Whether some of the joints that moved in touches are few enough, and many enough of the body, to be learned in haste; not
-    /// where that was in vain often enough.
-    pub fn may_hurry(&self) -> bool {
-        let least = (HASTY_SHARE * self.width_of_all() as f64).max(FEWEST_UNKNOWNS as f64);
-        let narrow = |joints: &&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
-        self.starts < HASTY_STARTS && self.moved().keys().any(narrow)
     }
 
     /// The sets of joints that moved in touches that suffice for them, and in how many.
@@ -273,13 +243,12 @@ impl Growth {
     /// Touches that a first part of some joints needs, whether it or a part of it was tried in vain or not. Wide ones seldom
     /// succeed: narrow ones are given time.
     pub fn first_wanted(&self, joints: &[usize]) -> f64 {
-        let patience = self.patience();
         let is_within = |part: &Part| part.joints.iter().all(|joint| joints.contains(joint));
         let before =
             self.failed.iter().filter(|(part, _)| is_within(part)).map(|(_, &touches)| touches).max();
         let unknowns = self.width(joints) as f64;
-        let at_first = patience.touches * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
-        at_first.max(patience.more * before.unwrap_or(0) as f64)
+        let at_first = TOUCHES_AT_FIRST * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
+        at_first.max(MORE_AT_FIRST * before.unwrap_or(0) as f64)
     }
 
     /// Touches that suffice for what moved in them in which nothing moved but some joints.
@@ -312,9 +281,9 @@ impl Growth {
         self.belief.as_ref().map(|belief| &belief.schema)
     }
 
-    /// The whole body as it is believed: where nothing is known, as it was guessed before the first touch.
+    /// The whole body as it is believed: where nothing is known, as it is guessed.
     pub fn believed(&self) -> BodySchema {
-        let mut believed = self.initial_guess.clone();
+        let mut believed = self.guess.clone();
         if let Some(belief) = &self.belief {
             let (schema, parameters) = (&belief.schema, &belief.parameters);
             let joints = parameters.positions.iter().zip(&schema.positions).zip(&mut believed.positions);
@@ -383,14 +352,14 @@ impl Growth {
         let part = self.all_lacking();
         let enough = |problem: &PartProblem| problem.numbers.len() >= problem.unit.len();
         let Some(problem) = self.part_problem(&part).filter(enough) else { return false };
-        let starts = if self.belief.is_some() { STARTS } else { first_starts(&problem, PATIENT).max(STARTS) };
+        let starts = if self.belief.is_some() { STARTS } else { first_starts(&problem).max(STARTS) };
         self.learn(&problem, starts) && self.known() > before
     }
 
     fn grow_trying(&mut self, tried: usize) -> bool {
         let mut grown = false;
         if self.belief.is_none() {
-            grown = self.grow_first(tried.div_ceil(2));
+            grown = self.grow_first(tried.div_ceil(2)) || self.learns_at_once() && self.grow_at_once();
             if !grown {
                 return false;
             }
@@ -419,7 +388,7 @@ impl Growth {
                 }
                 gained
             });
-            if !learned {
+            if !learned && !(self.learns_at_once() && self.grow_at_once()) {
                 return grown;
             }
             grown = true;
@@ -441,8 +410,7 @@ impl Growth {
         candidates.sort_by_key(|(part, _)| self.width(&part.joints));
         candidates.into_iter().take(tried).any(|(part, touches)| {
             let problem = self.part_problem(&part);
-            let known =
-                problem.is_some_and(|problem| self.learn(&problem, first_starts(&problem, self.patience())));
+            let known = problem.is_some_and(|problem| self.learn(&problem, first_starts(&problem)));
             if !known {
                 self.failed.insert(part.key(), touches);
             }
@@ -475,8 +443,12 @@ impl Growth {
 
     /// Solves a part and takes it in where it stands.
     fn learn(&mut self, problem: &PartProblem, starts: usize) -> bool {
-        let Some(solved) = self.solve(problem, starts) else { return false };
-        solved.exact > solving::ENOUGH && self.accept(problem, &solved)
+        self.solve(problem, starts).is_some_and(|solved| self.is_answer(problem, &solved))
+    }
+
+    /// Takes an answer in where it stands.
+    fn is_answer(&mut self, problem: &PartProblem, solved: &solving::Solved) -> bool {
+        solved.exact > solving::ENOUGH && self.accept(problem, solved)
     }
 
     fn placed_limbs(&self) -> usize {
@@ -495,9 +467,9 @@ impl Growth {
 }
 
 /// Starts that are made with a first part: wide ones cost more each, and fewer find the answer.
-fn first_starts(problem: &PartProblem, patience: Patience) -> usize {
+fn first_starts(problem: &PartProblem) -> usize {
     let share = (FIRST_WIDTH / problem.unit.len() as f64).powi(2).min(1.0);
-    (share * patience.starts) as usize
+    (share * STARTS_AT_FIRST) as usize
 }
 
 /// Touches of sets of joints that moved in which nothing moved but some joints.

@@ -29,7 +29,7 @@ pub(super) const ENOUGH: f64 = 1.0 - MOST_FALSE;
 /// The share from which on none better is looked for.
 const AS_GOOD_AS_ALL: f64 = 0.97;
 /// Starts that are made at once: always so many, for what is taken must not depend on the number of threads.
-const AT_ONCE: usize = 4;
+pub(super) const AT_ONCE: usize = 4;
 /// An answer of a first part that closes less may be what chance finds again and again.
 const OFTEN_DRAWN: f64 = 0.7;
 /// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
@@ -76,6 +76,11 @@ impl Solved {
     fn worth(&self) -> f64 {
         self.share + if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
     }
+
+    /// Whether hardly a touch is left open: no better answer is looked for.
+    pub fn closes_all(&self) -> bool {
+        self.exact > AS_GOOD_AS_ALL
+    }
 }
 
 /// What is believed besides the touches: little of what is new, much of what is known.
@@ -102,8 +107,8 @@ pub(super) struct PartProblem<'a> {
     pub part: &'a Part,
     /// The touches that tell of it, by their numbers; and those that it is solved by.
     pub numbers: Vec<usize>,
-    solved_by: Vec<usize>,
-    touches: TouchSet,
+    pub solved_by: Vec<usize>,
+    pub touches: TouchSet,
     /// Per joint, whether it is between limbs that touched, and whether its position is free.
     between: Vec<bool>,
     free: Vec<bool>,
@@ -115,7 +120,7 @@ pub(super) struct PartProblem<'a> {
     /// What is known, and the lower Cholesky factor of its covariance.
     spread: Option<(Parameters, DMatrix<f64>)>,
     /// What starts begin with.
-    base: BodySchema,
+    pub base: BodySchema,
 }
 
 impl PartProblem<'_> {
@@ -141,7 +146,7 @@ impl Growth {
             let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number));
             self.starts += made.len();
             solved.extend(made);
-            let good = solved.iter().any(|solved| solved.exact > AS_GOOD_AS_ALL);
+            let good = solved.iter().any(Solved::closes_all);
             let most = solved.iter().map(|solved| solved.share).fold(0.0, f64::max);
             let as_good = |other: &&Solved| (most - other.share) * (problem.touches.len() as f64) < 1.5;
             // What comes again and again is the best that chance finds.
@@ -258,15 +263,25 @@ impl Growth {
     /// One start: the receptors' places, or the contact points, as points with relaxed axes, which is cheap, and only from what
     /// comes near them the surfaces.
     fn start(&self, problem: &PartProblem, number: usize) -> Solved {
-        let creature = self.agent.creature();
-        let PartProblem { touches, relaxed, unit, .. } = problem;
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream((self.solves << 16) + number as u64);
-        let first = self.belief.is_none();
-        let mut schema = match first {
+        let guess = match self.belief.is_none() {
             true => self.first_guess(problem, &mut rng),
             false => self.guess(problem, number, &mut rng),
         };
+        self.start_from(problem, guess, number, HOPELESS)
+    }
+
+    /// The same from an initial guess, but no further where its points miss by so many deviations in half of all touches.
+    pub(super) fn start_from(
+        &self,
+        problem: &PartProblem,
+        mut schema: BodySchema,
+        number: usize,
+        hopeless: f64,
+    ) -> Solved {
+        let creature = self.agent.creature();
+        let PartProblem { touches, relaxed, unit, .. } = problem;
         let beliefs = problem.beliefs();
         let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
             meet(creature, touches, parameters, &beliefs, schema, (fits, self.deadline))
@@ -274,11 +289,18 @@ impl Growth {
         schema = meet(relaxed, schema, POINT_FITS);
         schema.normalize_axes(creature);
         schema = meet(unit, schema, POINT_FITS / 2);
-        let hopeless = self.input == Input::Receptor && usual_miss(touches, &schema) > HOPELESS;
+        let hopeless = self.input == Input::Receptor && usual_miss(touches, &schema) > hopeless;
         if hopeless || self.deadline.has_passed() {
             return Solved { schema, share: 0.0, exact: 0.0, closed: 0, given_up: Vec::new() };
         }
         self.closed(problem, schema, number)
+    }
+
+    /// The answer that is nearest to one for fewer touches.
+    pub(super) fn gone_on(&self, problem: &PartProblem, from: BodySchema) -> Solved {
+        let beliefs = problem.beliefs();
+        let schema = self.closest([WIDEST, SHARP], &problem.touches, &problem.unit, &beliefs, from);
+        self.without_open(problem, schema)
     }
 
     /// The answer that closes the surfaces from a schema that is near; starts differ in how wide gaps are at first, and in how long
@@ -384,7 +406,7 @@ impl Growth {
 
     /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean. What its touches
     /// tell of stays as it was solved, also what was held: they would open.
-    fn carried(&self, problem: &PartProblem, schema: &BodySchema) -> BodySchema {
+    pub(super) fn carried(&self, problem: &PartProblem, schema: &BodySchema) -> BodySchema {
         let (Some(belief), Some(known)) = (&self.belief, &problem.known) else { return schema.clone() };
         let places = known.parameters.places_in(&belief.parameters);
         let pull = &known.information * known.difference(schema);

@@ -202,6 +202,15 @@ impl<'a> Scrutiny<'a> {
         }
     }
 
+    /// The joint or the limb that speaks most against a schema that was fitted to touches, if any does; `deviation` is that of a
+    /// gap, metres.
+    pub fn doubted(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Member> {
+        match self.doubt(told, schema, deviation, false)? {
+            Doubt::Of(member) => Some(member),
+            Doubt::Better(_) => None,
+        }
+    }
+
     /// What speaks most against a schema that was fitted to touches; `deviation` is that of a gap, metres. Where no better one is
     /// wanted, a joint that has one is in doubt.
     fn doubt(

@@ -22,8 +22,11 @@ use crate::learning::{Account, LengthUnit, LimbFrames, Parameters, Witnesses};
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::skin::Skin;
 
-/// Leverage of a touch from which on no other one checks it.
+/// Leverage of a touch from which on no other one checks it, in noise.
 const UNCHECKED: f64 = 0.98;
+/// Wrong answers miss touches by this, metres. A fit to them leaves open what their leverage lacks to 1, which shows in touches that
+/// are exact however little it is.
+const MISS: f64 = 1e-3;
 /// A bias of all gaps is taken up by parameters and leaves a fiftieth of itself; what exact gaps tell at second order is told
 /// by no less than so many times what is left.
 const TAKEN_UP: f64 = 1e3;
@@ -168,7 +171,7 @@ impl SecondOrder {
                     let mut problem = TouchProblem::new(self.agent.creature(), touches, &parameters, model);
                     problem.linearize(schema).hessian / MEAN_WEIGHT
                 };
-                let found = self.observed_in(&noise, &mut touches, &parameters, schema, told);
+                let found = self.observed_in((&noise, deviation), &mut touches, &parameters, schema, told);
                 (found, deviation, deviation <= NARROWEST)
             }
             _ => {
@@ -180,7 +183,7 @@ impl SecondOrder {
                     information(gaps, &parameters, &noise)
                         .unwrap_or_else(|| DMatrix::zeros(parameters.len(), parameters.len()))
                 };
-                let found = self.observed_in(&noise, &mut touches, &parameters, schema, told);
+                let found = self.observed_in((&noise, spread), &mut touches, &parameters, schema, told);
                 (found, spread, false)
             }
         };
@@ -197,7 +200,7 @@ impl SecondOrder {
     /// check.
     fn observed_in(
         &self,
-        noise: &Noise,
+        (noise, deviation): (&Noise, f64),
         touches: &mut TouchSet,
         parameters: &Parameters,
         schema: &BodySchema,
@@ -210,7 +213,7 @@ impl SecondOrder {
             };
             let found = self.observability(parameters, schema, told(touches, &gaps), 5 * touches.len());
             // Without some of the touches others may be the only ones that are left.
-            match checked(touches, &gaps, &found, noise) {
+            match checked(touches, &gaps, &found, noise, deviation) {
                 Some(few) => *touches = few,
                 None => return found,
             }
@@ -326,8 +329,16 @@ fn shared_by_receptors(touches: &TouchSet) -> TouchSet {
 ///
 /// A touch whose leverage is nearly 1 closes its gap whatever the truth is: the fit has a parameter for it alone.
 /// What rests on such touches is not known, however small it leaves the gaps (Baarda's reliability, "A Testing
-/// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine in some noise; `gaps` are theirs.
-fn checked(touches: &TouchSet, gaps: &[NoisyGap], found: &Observability, noise: &Noise) -> Option<TouchSet> {
+/// Procedure for Use in Geodetic Networks", 1968). `found` is what they determine in some noise; `gaps` are theirs, of a
+/// `deviation`, metres.
+fn checked(
+    touches: &TouchSet,
+    gaps: &[NoisyGap],
+    found: &Observability,
+    noise: &Noise,
+    deviation: f64,
+) -> Option<TouchSet> {
+    let shown = (1.0 - deviation / MISS).max(UNCHECKED);
     let mut gaps = gaps.chunks((gaps.len() / touches.len().max(1)).max(1));
     let mut few = touches.clone();
     for pair in &mut few.pairs {
@@ -338,7 +349,7 @@ fn checked(touches: &TouchSet, gaps: &[NoisyGap], found: &Observability, noise: 
                 // The weights that the information was divided by are 1 for a gap that is closed.
                 let leverage = weight * gap.predicted(&found.covariance) / (MEAN_WEIGHT * variance);
                 // A gap that is open speaks against the schema, and for nothing.
-                leverage < UNCHECKED && gap.gap * gap.gap <= OPEN * OPEN * variance
+                leverage < shown && gap.gap * gap.gap <= OPEN * OPEN * variance
             })
         });
     }

@@ -15,6 +15,8 @@ const TRIES: f64 = 4.0;
 const MOST_TRIES: f64 = 20.0;
 /// What it counts as, where no posture is found that promises anything.
 pub(super) const UNPROMISING: f64 = 0.1;
+/// Times that all that was learned is looked at once more before babbling ends.
+const MOST_LOOKS: usize = 12;
 /// What limbs are to be placed to, one standard deviation, metres: a millimetre in 95 % of cases. The gaps of all touches then
 /// close as exactly as if it were asked for more.
 const PRECISE: f64 = 5e-4;
@@ -28,10 +30,23 @@ impl Stages {
         let creature = self.agent.creature();
         let open: Vec<usize> = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]).collect();
         let tries = |goal: &Goal| self.tries.get(goal).copied().unwrap_or(0.0);
-        let vague = |limb: &usize| self.growth.placement(*limb) > PRECISE;
+        let touches = self.growth.touches();
+        let felt = |limb: usize| touches.iter().any(|touch| touch.told.limbs.contains(&limb));
+        let felt: Vec<bool> = (0..creature.limbs().len()).map(felt).collect();
+        let vague = |limb: &usize| self.growth.placement(*limb) > PRECISE || !felt[*limb];
         let unplaced: Vec<usize> = self.agent.limbs_with_skin().into_iter().filter(vague).collect();
         self.done = open.iter().all(|&joint| tries(&Goal::Joints(vec![joint])) >= MOST_TRIES)
             && unplaced.iter().all(|&limb| tries(&Goal::Limb(limb)) >= MOST_TRIES);
+        if self.done && self.looks < MOST_LOOKS {
+            self.looks += 1;
+            self.done = self.growth.stands();
+        }
+        let lacks = !open.is_empty() || unplaced.iter().any(|&limb| felt[limb]);
+        if !self.done && lacks && self.learns_at_once() {
+            self.tried = None;
+            self.begin(Goal::Joints(open), JOINT_MOTIONS);
+            return;
+        }
         self.goals += 1;
         let tried = |joint: &usize| tries(&Goal::Joints(vec![*joint])) >= TRIES * (1 + self.surveys) as f64;
         if !self.done && !open.is_empty() && open.iter().all(tried) {

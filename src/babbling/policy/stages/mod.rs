@@ -23,7 +23,7 @@ use super::{Policy, PolicyStart};
 use crate::agent::Agent;
 use crate::creature::Posture;
 use crate::learning::LengthUnit;
-use crate::learning::growth::Growth;
+use crate::learning::growth::{Growth, Outlook};
 use crate::senses::Touch;
 use crate::simulation::Ending;
 
@@ -63,6 +63,8 @@ pub struct Stages {
     trials: Vec<FirstSet>,
     trial: usize,
     is_choosing: bool,
+    /// Whether it touches soon where all joints move.
+    all_move: bool,
     aim: Goal,
     /// Per limb, whether a touch of it with one that is not tells what the goal asks.
     wanted: Vec<bool>,
@@ -73,11 +75,15 @@ pub struct Stages {
     /// Motions for the present goal, and the most.
     motions: usize,
     patience: usize,
+    /// What is believed of the whole body after the last touch, where it was asked for.
+    outlook: Option<Outlook>,
     /// Whether something was learned from the last touch.
     grown: bool,
     goals: usize,
     /// Times that all joints that are not known moved together.
     surveys: usize,
+    /// Times that all that was learned was looked at once more.
+    looks: usize,
     tried: Option<Goal>,
     tries: BTreeMap<Goal, f64>,
     /// Per touch, its posture and where the motion to it began.
@@ -144,15 +150,18 @@ impl Stages {
             trials: Vec::new(),
             trial: 0,
             is_choosing: true,
+            all_move: false,
             aim: Goal::Joints(Vec::new()),
             wanted: vec![false; creature.limbs().len()],
             repeatable: BTreeMap::new(),
             free: vec![false; joints],
             motions: 0,
             patience: TRIAL_MOTIONS,
+            outlook: None,
             grown: false,
             goals: 0,
             surveys: 0,
+            looks: 0,
             tried: None,
             tries: BTreeMap::new(),
             remembered: Vec::new(),
@@ -237,6 +246,9 @@ impl Stages {
         if self.at_random.is_some() && first {
             return self.anywhere(rng);
         }
+        if self.learns_at_once() && matches!(self.aim, Goal::Joints(_)) {
+            return self.most_telling(rng);
+        }
         if first && self.touches_seldom() && rng.random::<f64>() < REPEATED_AT_FIRST {
             return self.again(rng).unwrap_or_else(|| self.anywhere(rng));
         }
@@ -288,6 +300,7 @@ impl Policy for Stages {
     fn touched(&mut self, touch: &Touch) {
         let touch = &touch.scaled(self.agent.creature(), 1.0 / self.metres);
         self.grown = self.growth.touch(touch);
+        self.outlook = None;
         self.remembered.push([touch.posture.clone(), self.start.clone()]);
         let number = self.remembered.len() - 1;
         self.remember(number);

@@ -3,7 +3,8 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::{Goal, Stages};
+use super::trials::SURVEY_TOUCHES;
+use super::{ANYWHERE, Goal, Stages};
 use crate::babbling::policy::foresight::Foreseen;
 use crate::creature::Posture;
 use crate::kinematics::{Chain, InverseKinematics, Place};
@@ -15,6 +16,10 @@ use crate::skin::Receptor;
 const SCATTER: f64 = 0.15;
 const FARTHER: f64 = 0.5;
 const FARTHEST: f64 = 0.3;
+/// Random postures are this power as far from the middle of a joint's range, in shares of its half.
+const OUTWARDS: f64 = 0.4;
+/// Random postures of which the one is chosen on whose way the touch is foreseen that tells most.
+const IMAGINED: usize = 20;
 /// Pairs of receptors of which that is aimed at whose limbs touched each other least.
 const DRAWS: usize = 3;
 /// How deep an aim goes into both limbs, metres, and how far from it a posture may stay.
@@ -33,10 +38,37 @@ impl Stages {
         self.foresight.pass(schema, posture, known);
     }
 
-    /// A random posture in which only what is free moves.
+    /// Of some random postures that one on whose way the touch is foreseen that tells most; away from bare geometry first.
+    pub(super) fn most_telling(&mut self, rng: &mut ChaCha8Rng) -> Posture {
+        if let Some(met) = self.met.as_ref().filter(|met| met.bare) {
+            return self.retreat(met, rng);
+        }
+        let guessed = self.growth.touches().len() >= SURVEY_TOUCHES && rng.random::<f64>() >= ANYWHERE;
+        if guessed && self.outlook.is_none() {
+            self.outlook = self.growth.outlook();
+        }
+        let Some(outlook) = self.outlook.as_ref().filter(|_| guessed) else { return self.anywhere(rng) };
+        let gain = |target: &Posture| {
+            let met = self.foresight.first_met(&outlook.schema, [&self.start, target]);
+            met.map_or(0.0, |(limbs, posture)| self.growth.gain(outlook, limbs, &posture))
+        };
+        let targets = (0..IMAGINED).map(|_| self.anywhere(rng)).map(|target| (gain(&target), target));
+        targets.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| self.here(), |(_, target)| target)
+    }
+
+    /// A random posture in which only what is free moves, as far as it goes more often than not: touches there tell most.
     pub(super) fn anywhere(&self, rng: &mut ChaCha8Rng) -> Posture {
         let creature = self.agent.creature();
         let mut posture = Posture::random(creature, rng);
+        for at in creature.elements().filter(|at| !at.is_ball()) {
+            let [low, high] = at.range;
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            let q = &mut posture[at.coordinate()];
+            let share = ((*q - middle) / half).clamp(-1.0, 1.0);
+            if share.is_finite() {
+                *q = middle + half * share.signum() * share.abs().powf(OUTWARDS);
+            }
+        }
         self.rest_others(&mut posture);
         posture
     }

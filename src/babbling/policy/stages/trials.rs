@@ -8,7 +8,7 @@ use crate::kinematics::Chain;
 use crate::learning::growth::{FEWEST_UNKNOWNS, Growth};
 
 /// Touches at random with all joints before it is seen whether these will tell of a first part: they tell of the next parts, too.
-const SURVEY_TOUCHES: usize = 40;
+pub(super) const SURVEY_TOUCHES: usize = 40;
 /// Sets of joints that are tried, …
 const SETS: usize = 16;
 /// … as many of each of so many sizes.
@@ -78,26 +78,23 @@ impl Stages {
         (0..SIZES).flat_map(of_size).collect()
     }
 
-    /// Begins with all joints, in haste.
+    /// Begins with all joints.
     pub(super) fn begin_at_random(&mut self) {
-        self.growth.hurry(true);
         self.trials = vec![self.all_joints()];
         self.move_set(0, SURVEY_MOTIONS);
+    }
+
+    /// Whether all that is not known moves, and is learned at once: not where that seldom touches.
+    pub(super) fn learns_at_once(&self) -> bool {
+        self.all_move && self.growth.learns_at_once()
     }
 
     fn all_joints(&self) -> FirstSet {
         FirstSet::of((0..self.free.len()).collect())
     }
 
-    /// Whether it is still worth while to wait for what all joints touch by chance.
-    fn waits_for_chance(&self) -> bool {
-        let surveyed = self.trials[0].touches >= SURVEY_TOUCHES || self.motions >= self.patience;
-        !surveyed || self.growth.may_hurry()
-    }
-
     /// Begins with the first set; all joints, which were tried already, are the last.
     fn begin_trials(&mut self) {
-        self.growth.hurry(false);
         let FirstSet { touches, motions, .. } = self.trials[0];
         let all = FirstSet { touches, motions: motions + self.motions, ..self.all_joints() };
         let sets = self.first_sets().into_iter().map(FirstSet::of);
@@ -123,8 +120,13 @@ impl Stages {
 
     /// Goes on with the trials, or with the set that needs least to be learned.
     pub(super) fn try_on(&mut self) {
-        if self.growth.hurries() {
-            if !self.waits_for_chance() {
+        if self.trials.len() == 1 {
+            let touches_soon = self.trials[0].touches >= SURVEY_TOUCHES;
+            if touches_soon && self.motions <= self.patience {
+                self.all_move = true;
+            }
+            let surveyed = touches_soon || self.motions >= self.patience;
+            if surveyed && !self.learns_at_once() {
                 self.begin_trials();
             }
             return;
