@@ -56,13 +56,11 @@ const FREEDOM: usize = 4;
 const STARTS: usize = 16;
 /// Unknowns of a first part from which on fewer starts are made, and more touches needed.
 const FIRST_WIDTH: f64 = 45.0;
-/// Touches that a first part needs, in units of its joints' unknowns, for limbs that rest have theirs, too; where it was tried in vain
-/// so many times as many; and starts from random initial guesses, of which most are soon given up.
-const TOUCHES_AT_FIRST: f64 = 1.4;
-const MORE_AT_FIRST: f64 = 1.2;
-const STARTS_AT_FIRST: f64 = 40.0;
-/// Conditions, in units of the unknowns, from which on touches may tell of joints.
-const CONDITIONS: f64 = 3.5;
+/// Touches that a first part needs, in units of its joints' unknowns, for limbs that rest have theirs, too; and conditions from which on
+/// touches may tell of joints.
+const TOUCHES_AT_FIRST: f64 = 3.5;
+/// Starts of a first part from random initial guesses, of which most are soon given up.
+const STARTS_AT_FIRST: f64 = 200.0;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
 /// … and where no touches join others to them.
@@ -105,6 +103,8 @@ pub struct Growth {
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
     starts: usize,
+    /// Whether all that is not known is learned at once.
+    at_once: bool,
     /// Touches when anything was learned last, and from which on all is tried at once again.
     learned_after: usize,
     next_at_once: usize,
@@ -162,6 +162,7 @@ impl Growth {
             deadline: Deadline::Never,
             solves: 0,
             starts: 0,
+            at_once: false,
             learned_after: 0,
             next_at_once: 0,
             touches: Vec::new(),
@@ -194,11 +195,11 @@ impl Growth {
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let least = if limbs.iter().all(|&limb| self.placed(limb)) { ALIKE } else { ALIKE_UNPLACED };
         // Many touches that are alike are one wrong answer's majority; what moves by one coordinate meets in one place.
-        let spare = alike > least.max((CONDITIONS * self.width(&unresolved) as f64) as usize)
+        let spare = alike > least.max((TOUCHES_AT_FIRST * self.width(&unresolved) as f64) as usize)
             || told.moving.is_empty()
             || !is_new && factors.len() < 2;
         let suffices = conditions::most(factors.iter().map(Vec::len)) as f64
-            >= CONDITIONS * self.width(&told.moving) as f64;
+            >= TOUCHES_AT_FIRST * self.width(&told.moving) as f64;
         let told = Arc::new(told);
         self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;
@@ -248,7 +249,7 @@ impl Growth {
             self.failed.iter().filter(|(part, _)| is_within(part)).map(|(_, &touches)| touches).max();
         let unknowns = self.width(joints) as f64;
         let at_first = TOUCHES_AT_FIRST * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
-        at_first.max(MORE_AT_FIRST * before.unwrap_or(0) as f64)
+        at_first.max(MORE * before.unwrap_or(0) as f64)
     }
 
     /// Touches that suffice for what moved in them in which nothing moved but some joints.

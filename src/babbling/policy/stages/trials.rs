@@ -84,11 +84,6 @@ impl Stages {
         self.move_set(0, SURVEY_MOTIONS);
     }
 
-    /// Whether all that is not known moves, and is learned at once: not where that seldom touches.
-    pub(super) fn learns_at_once(&self) -> bool {
-        self.all_move && self.growth.learns_at_once()
-    }
-
     fn all_joints(&self) -> FirstSet {
         FirstSet::of((0..self.free.len()).collect())
     }
@@ -121,12 +116,12 @@ impl Stages {
     /// Goes on with the trials, or with the set that needs least to be learned.
     pub(super) fn try_on(&mut self) {
         if self.trials.len() == 1 {
-            let touches_soon = self.trials[0].touches >= SURVEY_TOUCHES;
-            if touches_soon && self.motions <= self.patience {
-                self.all_move = true;
+            let motions = RARE * SURVEY_TOUCHES;
+            let touches_soon = self.growth.touches().len() >= SURVEY_TOUCHES;
+            if touches_soon && self.motions <= motions {
+                self.growth.learn_at_once();
             }
-            let surveyed = touches_soon || self.motions >= self.patience;
-            if surveyed && !self.learns_at_once() {
+            if (touches_soon || self.motions >= motions) && !self.growth.learns_at_once() {
                 self.begin_trials();
             }
             return;
