@@ -53,16 +53,11 @@ pub struct Outlook {
 }
 
 impl Growth {
-    /// Learns all that is not known as one part from now on, unless that is too much.
-    pub fn learn_at_once(&mut self) {
-        self.at_once = self.width_of_all() <= WIDEST;
-    }
-
-    /// Whether it does; no more where it was in vain for long.
+    /// Whether all that is not known is learned as one part: not where that is too much, or was in vain for long.
     pub fn learns_at_once(&self) -> bool {
         let open: Vec<usize> = (0..self.resolved.len()).filter(|&joint| !self.resolved[joint]).collect();
         let most = MOST_TOUCHES * self.width(&open).max(super::FEWEST_UNKNOWNS) as f64;
-        self.at_once && ((self.touches.len() - self.learned_after) as f64) < most
+        self.width_of_all() <= WIDEST && ((self.touches.len() - self.learned_after) as f64) < most
     }
 
     /// Tries to learn all at once, if there are touches more than the last time; whether anything was learned.

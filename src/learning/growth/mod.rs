@@ -103,8 +103,6 @@ pub struct Growth {
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
     starts: usize,
-    /// Whether all that is not known is learned at once.
-    at_once: bool,
     /// Touches when anything was learned last, and from which on all is tried at once again.
     learned_after: usize,
     next_at_once: usize,
@@ -162,7 +160,6 @@ impl Growth {
             deadline: Deadline::Never,
             solves: 0,
             starts: 0,
-            at_once: false,
             learned_after: 0,
             next_at_once: 0,
             touches: Vec::new(),

@@ -63,6 +63,8 @@ pub struct Stages {
     trials: Vec<FirstSet>,
     trial: usize,
     is_choosing: bool,
+    /// Whether it touches soon where all joints move.
+    all_move: bool,
     aim: Goal,
     /// Per limb, whether a touch of it with one that is not tells what the goal asks.
     wanted: Vec<bool>,
@@ -148,6 +150,7 @@ impl Stages {
             trials: Vec::new(),
             trial: 0,
             is_choosing: true,
+            all_move: false,
             aim: Goal::Joints(Vec::new()),
             wanted: vec![false; creature.limbs().len()],
             repeatable: BTreeMap::new(),
@@ -243,7 +246,7 @@ impl Stages {
         if self.at_random.is_some() && first {
             return self.anywhere(rng);
         }
-        if self.growth.learns_at_once() && matches!(self.aim, Goal::Joints(_)) {
+        if self.learns_at_once() && matches!(self.aim, Goal::Joints(_)) {
             return self.most_telling(rng);
         }
         if first && self.touches_seldom() && rng.random::<f64>() < REPEATED_AT_FIRST {

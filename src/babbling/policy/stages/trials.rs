@@ -84,6 +84,11 @@ impl Stages {
         self.move_set(0, SURVEY_MOTIONS);
     }
 
+    /// Whether all that is not known moves, and is learned at once: not where that seldom touches.
+    pub(super) fn learns_at_once(&self) -> bool {
+        self.all_move && self.growth.learns_at_once()
+    }
+
     fn all_joints(&self) -> FirstSet {
         FirstSet::of((0..self.free.len()).collect())
     }
@@ -118,10 +123,8 @@ impl Stages {
         if self.trials.len() == 1 {
             let motions = RARE * SURVEY_TOUCHES;
             let touches_soon = self.growth.touches().len() >= SURVEY_TOUCHES;
-            if touches_soon && self.motions <= motions {
-                self.growth.learn_at_once();
-            }
-            if (touches_soon || self.motions >= motions) && !self.growth.learns_at_once() {
+            self.all_move |= touches_soon && self.motions <= motions;
+            if (touches_soon || self.motions >= motions) && !self.learns_at_once() {
                 self.begin_trials();
             }
             return;
