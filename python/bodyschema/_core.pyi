@@ -61,7 +61,7 @@ class _Evaluation(Record):
     axis_line_mm: _Summary
 
 class _Learning(TypedDict, total=False):
-    learner: Literal["lm", "growth", "hersch", "gradient"] | None
+    learner: Literal["lm", "growth", "hersch"] | None
     input: Literal["receptor", "contact"] | None
     skin: Literal["surface", "centres"] | None
     frames: Literal["joint", "limb"] | None

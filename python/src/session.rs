@@ -247,7 +247,7 @@ pub fn babble(
 /// session : Session
 /// touches : int, optional
 ///     Learn from the first touches only.
-/// learner : {"lm", "growth", "hersch", "gradient"}, optional
+/// learner : {"lm", "growth", "hersch"}, optional
 ///     By default the one that suits the touches.
 /// input : {"receptor", "contact"}, optional
 ///     What a touch reports: the two receptors, or the points of contact.

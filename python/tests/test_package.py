@@ -195,7 +195,7 @@ def test_a_robot_is_calibrated(fit: bs.Fit, tmp_path: Path) -> None:
 
 
 def test_a_study_is_a_table() -> None:
-    table = bs.study("bodies", seeds=range(3, 5), cases=["gradient"], work=1.0)
+    table = bs.study("bodies", seeds=range(3, 5), cases=["hersch"], work=1.0)
     assert set(table["seed"]) == {3, 4} and table.rows >= 2
 
 

@@ -26,7 +26,6 @@ mod parameters;
 mod placement;
 pub mod prediction;
 mod prior;
-mod relaxed_gradient;
 pub mod scrutiny;
 mod second_order;
 pub mod surface_gap;
@@ -45,7 +44,6 @@ pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use placement::Z95;
 pub use prior::{Prior, PriorTerm};
-pub use relaxed_gradient::{RelaxedGradient, STEPS};
 pub use second_order::SecondOrder;
 
 use crate::agent::Agent;

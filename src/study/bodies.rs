@@ -18,7 +18,7 @@ use crate::deadline::{Deadline, Tally, apart, count};
 use crate::error::Error;
 use crate::evaluation::{HeldOutPoint, held_out, held_out_points};
 use crate::learning::growth::Growth;
-use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart, RepairedHersch};
+use crate::learning::learners::{HerschsRule, LearnerKind, LevenbergMarquardt, PartByPart};
 use crate::learning::{Input, Learned, Learner, LengthUnit, SecondOrder, Verdict, Z95};
 use crate::mujoco::Model;
 use crate::senses::{DisturbedSenses, RecordedTouch};
@@ -43,8 +43,8 @@ pub(super) const STUDY: Study = Study {
     },
     notes: &[
         "whole: bodies of which 95 % of all held-out points are off by at most 1 % of the typical limb's length, whatever the \
-         learner says; right: the share of these points. learned, learned_partly, not_learned: what the learner says; gradient \
-         and hersch make no judgement and claim nothing.",
+         learner says; right: the share of these points. learned, learned_partly, not_learned: what the learner says; hersch \
+         makes no judgement and claims nothing.",
         "A claim is that the skin of two limbs is located in each other's frames. It is wrong if held-out skin is off by more \
          than 0.1 mm (on bodies much smaller or larger than a person, by more than its share) and 5 of its own standard \
          deviations.",
@@ -93,10 +93,9 @@ const BY_CONTACT: Way = Way { input: Input::Contact, ..LM };
 
 /// The ways to learn: as the program does by default, and each learner from touches at random; `lm` also by contact points, and
 /// with senses that are wrong.
-const WAYS: [Way; 12] = [
+const WAYS: [Way; 11] = [
     Way { name: "default", learner: &PartByPart, ..LM },
     LM,
-    Way { name: "gradient", learner: &RepairedHersch, ..LM },
     Way { name: "hersch", learner: &HerschsRule, ..LM },
     Way { name: "angles to 0.1°", disturbances: DisturbanceLevels { joint_noise: 0.1, ..EXACT }, ..LM },
     Way { name: "angles to 1°", disturbances: DisturbanceLevels { joint_noise: 1.0, ..EXACT }, ..LM },

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{Row, Studied, Study, Trial, columns};
 use crate::error::Error;
 use crate::learning::SkinKnowledge;
-use crate::learning::learners::{HerschsRule, RepairedHersch};
+use crate::learning::learners::HerschsRule;
 use crate::session::LearningOptions;
 
 pub(super) const STUDY: Study = Study {
@@ -20,17 +20,16 @@ pub(super) const STUDY: Study = Study {
         initial_guesses: Median, work_s: Median,
     },
     notes: &[
-        "heldout_mm: mean held-out error. converged: the learner's own verdict; for hersch and gradient, which \
-         have none, a held-out error of at most 10 mm. work_s: work of learning, in seconds of one core.",
+        "heldout_mm: mean held-out error. converged: the learner's own verdict; for hersch, which has none, \
+         a held-out error of at most 10 mm. work_s: work of learning, in seconds of one core.",
     ],
     run,
 };
 
-fn learners() -> [(&'static str, LearningOptions); 4] {
+fn learners() -> [(&'static str, LearningOptions); 3] {
     let lm = LearningOptions::default();
     [
         ("hersch", LearningOptions { learner: Some(&HerschsRule), ..lm.clone() }),
-        ("gradient", LearningOptions { learner: Some(&RepairedHersch), ..lm.clone() }),
         ("lm --skin centres", LearningOptions { skin: SkinKnowledge::Centres, ..lm.clone() }),
         ("lm", lm),
     ]

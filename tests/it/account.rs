@@ -9,7 +9,7 @@ use bodyschema::creature::Posture;
 use bodyschema::ground_truth::GroundTruth;
 use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::learning::{
-    Certainty, Hersch, Input, Learned, Learner, LimbFrames, RelaxedGradient, SecondOrder, Verdict, Z95,
+    Certainty, Hersch, Input, Learned, Learner, LimbFrames, SecondOrder, Verdict, Z95,
 };
 use bodyschema::peripersonal::{Doubt, OwnBody};
 use bodyschema::senses::RecordedTouch;
@@ -43,11 +43,6 @@ fn a_schema_that_was_never_put_to_the_test_is_not_trusted() {
     let initial_guess = || random_guess(agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
     for unjudged in [
         learned(Hersch::new(&agent, Input::Receptor, initial_guess()), Input::Receptor, &touches),
-        learned(
-            RelaxedGradient::new(&agent, Input::Receptor, initial_guess(), 1).with_steps(100),
-            Input::Receptor,
-            &touches,
-        ),
         // One that has a test, and fails it.
         learned(SecondOrder::new(&agent, Input::Receptor, 1), Input::Receptor, &touches[..20]),
     ] {

@@ -11,7 +11,7 @@ use bodyschema::learning::initial_guess::random_guess;
 use bodyschema::learning::least_squares::{
     FIRST_DAMPING, LeastSquares, Linearization, Stopping, damped_from,
 };
-use bodyschema::learning::{Hersch, Input, Learned, Learner, RelaxedGradient, SecondOrder, Verdict};
+use bodyschema::learning::{Hersch, Input, Learned, Learner, SecondOrder, Verdict};
 use bodyschema::schema::BodySchema;
 use bodyschema::senses::RecordedTouch;
 use nalgebra::{DMatrix, DVector, Rotation3, Unit, Vector3};
@@ -26,10 +26,6 @@ const SURFACES_MM: f64 = 0.1;
 const GUESS_DEGREES: f64 = 20.0;
 /// How much of the initial guess's error Hersch's rule may leave.
 const HERSCH_SHARE: f64 = 0.6;
-
-/// Greatest mean held-out error that the repaired gradient may leave from 1,000 exact contact points and from
-/// 1,000 receptor centres, millimetres.
-const GRADIENT_MM: [f64; 2] = [0.1, 20.0];
 
 /// A body with everything that a test of a learner needs.
 struct Pupil {
@@ -108,53 +104,6 @@ fn the_second_order_learner_recovers_the_torso_from_1000_touches_of_receptors() 
     assert_eq!(learned.verdict, Verdict::Converged);
     let mean = pupil.heldout_mm(&learned.schema);
     assert!(mean <= SURFACES_MM, "{mean} mm");
-}
-
-/// What the repaired gradient learns from a random initial guess.
-fn relaxed_gradient(pupil: &Pupil, input: Input, seed: u64) -> Learned {
-    let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(seed));
-    assert!(pupil.heldout_mm(&initial_guess) > 100.0, "the initial guess knows something already");
-    let mut learner = RelaxedGradient::new(&pupil.agent, input, initial_guess, seed);
-    pupil.touches.iter().for_each(|touch| learner.touch(&touch.felt(input)));
-    learner.learn()
-}
-
-/// The repaired gradient recovers the torso, whatever it is told and wherever it begins.
-fn recovers_by_gradient(seed: u64) {
-    let pupil = Pupil::new(&max("torso"), 1000, 1);
-    for (input, greatest) in [Input::Contact, Input::Receptor].into_iter().zip(GRADIENT_MM) {
-        let learned = relaxed_gradient(&pupil, input, seed);
-        assert!(matches!(learned.verdict, Verdict::Unjudged(_)));
-        assert!(learned.schema.axes.iter().all(|axis| (axis.norm() - 1.0).abs() < 1e-9));
-        let mean = pupil.heldout_mm(&learned.schema);
-        assert!(mean <= greatest, "{input:?}, seed {seed}: {mean} mm");
-    }
-}
-
-#[test]
-fn the_repaired_gradient_recovers_the_torso_from_a_random_guess() {
-    recovers_by_gradient(101);
-}
-
-#[test]
-fn the_repaired_gradient_of_the_same_guess_is_the_same() {
-    let arms = two_arms(r#"type="capsule" size="0.12 0.2""#, r#"type="capsule" size="0.03 0.2""#);
-    let pupil = Pupil::new(&creature(&arms), 200, 1);
-    for input in [Input::Contact, Input::Receptor] {
-        let [one, other] = [0, 1].map(|_| relaxed_gradient(&pupil, input, 101).schema);
-        assert_eq!(one, other, "{input:?}");
-    }
-}
-
-#[test]
-fn the_repaired_gradient_of_nothing_is_its_guess() {
-    let pupil = Pupil::new(&max("torso"), 1, 9);
-    let initial_guess = random_guess(pupil.agent.creature(), &mut ChaCha8Rng::seed_from_u64(1));
-    let mut learner = RelaxedGradient::new(&pupil.agent, Input::Contact, initial_guess.clone(), 1);
-    assert!((learner.learn().schema.axes[0] - initial_guess.axes[0]).norm() < 1e-9);
-    learner = learner.with_steps(100);
-    learner.touch(&pupil.touches[0].felt(Input::Contact));
-    assert!(learner.learn().schema.fits(pupil.agent.creature()));
 }
 
 #[test]

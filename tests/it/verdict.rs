@@ -19,7 +19,7 @@ const SESSIONS: [(&str, &str); 12] = [
     ("mjcf/hexapod/hexapod.xml", "--input contact --policy random --touches 120"),
     ("mjcf/hexapod/hexapod.xml", "--policy random --touches 60"),
     ("mjcf/contraption/contraption.xml", "--input contact --policy random --touches 300"),
-    ("mjcf/fourarms/fourarms.xml", "--touches 120 --learner gradient"),
+    ("mjcf/fourarms/fourarms.xml", "--touches 120 --learner hersch"),
     ("mjcf/octopus/octopus.xml", "--input contact --policy random --touches 250"),
 ];
 

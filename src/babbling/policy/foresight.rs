@@ -22,10 +22,10 @@ const DEEPER: f64 = 1e-6;
 const PASSING: f64 = 2e-3;
 
 /// What a motion leads to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Foreseen {
-    /// These limbs meet first.
-    Meeting([usize; 2]),
+    /// These limbs meet first, about in this posture.
+    Meeting([usize; 2], Posture),
     /// Nothing meets.
     Nothing,
     /// Limbs that touch at the beginning would go into each other.
@@ -76,35 +76,21 @@ impl Foresight {
         // What is deep in each other at the beginning does not feel each other.
         let (apart, touching): (Vec<_>, Vec<_>) =
             gaps.filter(|(_, gap)| *gap >= -TOUCHING).partition(|(_, gap)| *gap >= TOUCHING);
-        let after = |share: f64| limb_frames(creature, schema, &Posture::between(creature, from, to, share));
-        let frames = after(FIRST_LOOK);
+        let after = |share: f64| Posture::between(creature, from, to, share);
+        let frames = limb_frames(creature, schema, &after(FIRST_LOOK));
         if touching.iter().any(|&(pair, before)| self.pieces.gap(&frames, pair, TOUCHING) < before - DEEPER) {
             return Foreseen::Stuck;
         }
         for look in 1..=LOOKS {
-            let frames = after(look as f64 / LOOKS as f64);
+            let posture = after(look as f64 / LOOKS as f64);
+            let frames = limb_frames(creature, schema, &posture);
             if let Some((pair, _)) =
                 apart.iter().find(|(pair, _)| self.pieces.gap(&frames, *pair, 0.0) <= 0.0)
             {
-                return Foreseen::Meeting(*pair);
+                return Foreseen::Meeting(*pair, posture);
             }
         }
         Foreseen::Nothing
-    }
-
-    /// The limbs that meet first on the straight way from one posture to another, and about where; none where nothing does. Those
-    /// that touch at the beginning are overlooked.
-    pub fn first_met(&self, schema: &BodySchema, [from, to]: [&[f64]; 2]) -> Option<([usize; 2], Posture)> {
-        let creature = self.agent.creature();
-        let frames = limb_frames(creature, schema, from);
-        let mut apart = self.pairs(|_| true);
-        apart.retain(|&pair| self.pieces.gap(&frames, pair, 0.0) > 0.0);
-        (1..=LOOKS).find_map(|look| {
-            let posture = Posture::between(creature, from, to, look as f64 / LOOKS as f64);
-            let frames = limb_frames(creature, schema, &posture);
-            let met = apart.iter().find(|pair| self.pieces.gap(&frames, **pair, 0.0) <= 0.0)?;
-            Some((*met, posture))
-        })
     }
 
     /// The pairs of limbs that count, have solid surfaces, and may feel each other.

@@ -6,7 +6,8 @@
 //! apart, which are drawn anew. By such an answer it can be foretold what a motion will touch, and what that would tell.
 
 use nalgebra::DMatrix;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
+use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::Growth;
@@ -29,11 +30,10 @@ const MOST_TOUCHES: f64 = 2.5;
 /// enough of them.
 const FEWEST: f64 = 0.4;
 const NEARLY_ENOUGH: f64 = 0.9;
-/// Touches more, as a share of all, after which it is tried again.
-const AGAIN: f64 = 0.15;
-/// Starts beside the one that goes on: few, and much.
-const FEW_STARTS: usize = AT_ONCE;
-const MANY_STARTS: usize = 2 * AT_ONCE;
+/// Where there are fewer, it is tried again after so many times as many touches.
+const AGAIN: f64 = 1.15;
+/// Times that starts are made beside the one that goes on, where there are nearly enough touches.
+const WAVES: usize = 2;
 /// An answer whose receptors are so many times as far apart as those of the best so far is no better.
 const NO_BETTER: f64 = 1.1;
 /// Answers are compared by gaps in units of this, metres, and by how far apart receptors are that touched, in units of that.
@@ -60,7 +60,7 @@ impl Growth {
         self.width_of_all() <= WIDEST && ((self.touches.len() - self.learned_after) as f64) < most
     }
 
-    /// Tries to learn all at once, if there are touches more than the last time; whether anything was learned.
+    /// Tries to learn all at once, where there are touches enough more than the last time; whether anything was learned.
     pub(super) fn grow_at_once(&mut self) -> bool {
         if self.touches.len() < self.next_at_once {
             return false;
@@ -72,60 +72,56 @@ impl Growth {
             return false;
         }
         let known = self.known();
-        let starts = if share < NEARLY_ENOUGH { FEW_STARTS } else { MANY_STARTS };
-        let solved = self.improved(&problem, starts);
-        let grown = solved.is_some_and(|solved| self.is_answer(&problem, &solved)) && self.known() > known;
+        let (waves, more) = if share < NEARLY_ENOUGH { (1, AGAIN) } else { (WAVES, 1.0) };
+        let solved = self.improved(&problem, waves);
+        let grown = self.is_answer(&problem, &solved) && self.known() > known;
         if !grown {
-            let more = if share < NEARLY_ENOUGH { AGAIN * self.touches.len() as f64 } else { 0.0 };
-            self.next_at_once = self.touches.len() + more as usize;
+            self.next_at_once = (more * self.touches.len() as f64) as usize;
         }
         grown
     }
 
     /// A better answer for a part than the best so far.
-    fn improved(&mut self, problem: &PartProblem, starts: usize) -> Option<Solved> {
+    fn improved(&mut self, problem: &PartProblem, waves: usize) -> Solved {
         self.solves += 1;
-        let from = self.guess_for(problem);
+        let mut from = problem.base.clone();
+        self.take_joints(&problem.part.joints, &self.guess, &mut from);
         let mut best = self.gone_on(problem, from);
-        for wave in (0..starts).collect::<Vec<usize>>().chunks(AT_ONCE) {
+        let mut apart = self.apart(problem, &best.schema);
+        for wave in 0..waves {
             if best.closes_all() || self.deadline.has_passed() {
                 break;
             }
-            let blame = self.blame(problem, &best.schema);
-            let hopeless = NO_BETTER * usual_miss(&problem.touches, &best.schema);
-            let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| {
+            let blame = self.blame(problem, &apart);
+            let hopeless = HOPELESS.min(NO_BETTER * usual_miss(&problem.touches, &best.schema));
+            let made: Vec<Solved> = in_parallel((0..AT_ONCE).collect(), |number| {
+                let start = wave * AT_ONCE + number;
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-                rng.set_stream((self.solves << 16) + number as u64);
-                let redrawn = self.redrawn(problem, &best.schema, &blame, number % AT_ONCE, &mut rng);
-                self.start_from(problem, redrawn, number, hopeless.min(HOPELESS))
+                rng.set_stream((self.solves << 16) + start as u64);
+                let redrawn = self.redrawn(problem, &best.schema, &blame, number, &mut rng);
+                self.start_from(problem, redrawn, start, hopeless)
             });
             self.starts += made.len();
-            let misfit = |solved: &Solved| self.misfit(problem, &solved.schema);
-            best = made.into_iter().chain([best]).min_by(|a, b| misfit(a).total_cmp(&misfit(b)))?;
+            for other in made {
+                let of_other = self.apart(problem, &other.schema);
+                if of_other.iter().sum::<f64>() < apart.iter().sum::<f64>() {
+                    (apart, best) = (of_other, other);
+                }
+            }
         }
-        self.keep_guess(problem, &best.schema);
+        let mut guess = self.guess.clone();
+        self.take_joints(&problem.part.joints, &best.schema, &mut guess);
+        self.guess = guess;
         best.schema = self.carried(problem, &best.schema);
-        Some(best)
+        best
     }
 
-    /// What is believed of a part, known or guessed.
-    fn guess_for(&self, problem: &PartProblem) -> BodySchema {
-        let mut from = problem.base.clone();
-        for &joint in &problem.part.joints {
-            from.positions[joint] = self.guess.positions[joint];
-            for dof in self.agent.creature().joints()[joint].dof_indices() {
-                from.axes[dof] = self.guess.axes[dof];
-            }
-        }
-        from
-    }
-
-    fn keep_guess(&mut self, problem: &PartProblem, schema: &BodySchema) {
-        for &joint in &problem.part.joints {
-            self.guess.positions[joint] = schema.positions[joint];
-            for dof in self.agent.creature().joints()[joint].dof_indices() {
-                self.guess.axes[dof] = schema.axes[dof];
-            }
+    /// What a schema has of some joints, taken into another one.
+    fn take_joints(&self, joints: &[usize], from: &BodySchema, into: &mut BodySchema) {
+        for &joint in joints {
+            into.positions[joint] = from.positions[joint];
+            let dofs = self.agent.creature().joints()[joint].dof_indices();
+            dofs.for_each(|dof| into.axes[dof] = from.axes[dof]);
         }
     }
 
@@ -141,47 +137,36 @@ impl Growth {
         let mut redrawn = schema.clone();
         let joints = &problem.part.joints;
         for _ in 0..many {
-            let mut left = rng.random::<f64>() * joints.iter().map(|&joint| blame[joint]).sum::<f64>();
-            let drawn = joints.iter().find(|&&joint| {
-                left -= blame[joint];
-                left <= 0.0
-            });
-            let Some(&joint) = drawn.or(joints.first()) else { break };
+            let Ok(&joint) = joints.choose_weighted(rng, |&joint| blame[joint]) else { break };
             randomize_joint(self.agent.creature(), &mut redrawn, joint, rng);
             redrawn.positions[joint] = schema.positions[joint];
         }
         redrawn
     }
 
-    /// How far apart a schema leaves a touch: the gap of the surfaces, and how far receptors are from each other, metres.
-    fn apart(&self, number: usize, schema: &BodySchema) -> [f64; 2] {
-        let touch = &self.touches[number].told.prepared;
+    /// How far apart a schema leaves the touches that a part is solved by: the gap of the surfaces, and how far receptors are from each
+    /// other. What is false or far off counts little more than others.
+    fn apart(&self, problem: &PartProblem, schema: &BodySchema) -> Vec<f64> {
         let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        [model.gap(&touch.ends, &touch.frames(schema)).distance.abs(), touch.miss(schema).norm()]
-    }
-
-    /// How badly a schema explains the touches of a part: false ones and those that are far off count little more than others.
-    fn misfit(&self, problem: &PartProblem, schema: &BodySchema) -> f64 {
         let of = |&number: &usize| {
-            let [gap, apart] = self.apart(number, schema);
-            (gap / GAP).powi(2).ln_1p() + (apart / APART).powi(2).ln_1p()
+            let touch = &self.touches[number].told.prepared;
+            let gap = model.gap(&touch.ends, &touch.frames(schema)).distance;
+            (gap / GAP).powi(2).ln_1p() + (touch.miss(schema).norm() / APART).powi(2).ln_1p()
         };
-        problem.solved_by.iter().map(of).sum()
+        problem.solved_by.iter().map(of).collect()
     }
 
-    /// Per joint, how far apart a schema leaves the touches of a part in which it moved, on average, in units of [`GAP`].
-    fn blame(&self, problem: &PartProblem, schema: &BodySchema) -> Vec<f64> {
-        let joints = self.resolved.len();
-        let (mut sum, mut count) = (vec![0.0; joints], vec![f64::MIN_POSITIVE; joints]);
-        for &number in &problem.solved_by {
-            let [gap, apart] = self.apart(number, schema);
-            let far = (gap / GAP).ln_1p() + (apart / APART).ln_1p();
+    /// Per joint, how far apart a schema leaves the touches of a part in which it moved, on average.
+    fn blame(&self, problem: &PartProblem, apart: &[f64]) -> Vec<f64> {
+        let mut blame = vec![(0.0, f64::MIN_POSITIVE); self.resolved.len()];
+        for (&number, apart) in problem.solved_by.iter().zip(apart) {
             for &joint in &self.touches[number].told.moving {
-                sum[joint] += far;
-                count[joint] += 1.0;
+                let (sum, count) = &mut blame[joint];
+                *sum += apart;
+                *count += 1.0;
             }
         }
-        sum.iter().zip(&count).map(|(sum, count)| sum / count).collect()
+        blame.into_iter().map(|(sum, count)| sum / count).collect()
     }
 
     /// What is believed now of the whole body, known or guessed; none where rounding forbids.
@@ -203,23 +188,15 @@ impl Growth {
 
     /// How much it would tell if two limbs touched in a posture where they are nearest to each other: the variance of the gap
     /// that is expected of it, m².
-    pub fn gain(&self, outlook: &Outlook, limbs: [usize; 2], posture: &[f64]) -> f64 {
+    pub fn gain(&self, outlook: &Outlook, [a, b]: [usize; 2], posture: &[f64]) -> f64 {
         let (creature, skin) = (self.agent.creature(), self.agent.skin());
         let frames = limb_frames(creature, &outlook.schema, posture);
-        let [first, second] = limbs.map(|limb| {
-            let on_limb =
-                skin.receptors.iter().enumerate().filter(move |(_, receptor)| receptor.limb == limb);
-            on_limb
-                .map(|(number, receptor)| (number, frames[limb].point(&receptor.position)))
-                .collect::<Vec<_>>()
-        });
-        let pairs = first.iter().flat_map(|a| second.iter().map(move |b| (a, b)));
-        let apart = |((_, a), (_, b)): &(&(usize, _), &(usize, _))| -> f64 {
-            let (a, b): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>) = (a, b);
-            (a - b).norm_squared()
-        };
-        let Some(((a, _), (b, _))) = pairs.min_by(|x, y| apart(x).total_cmp(&apart(y))) else { return 0.0 };
-        let (_, touch) = LimbTouch::of_receptors(skin, [*a, *b], posture).prepare(creature);
+        let place = |limb: usize, receptor: usize| frames[limb].point(&skin.receptors[receptor].position);
+        let pairs = skin.receptors_on(a).flat_map(|p| skin.receptors_on(b).map(move |q| [p, q]));
+        let apart = |&[p, q]: &[usize; 2]| (place(a, p) - place(b, q)).norm_squared();
+        let nearest = pairs.map(|pair| (apart(&pair), pair)).min_by(|one, other| one.0.total_cmp(&other.0));
+        let Some((_, nearest)) = nearest else { return 0.0 };
+        let (_, touch) = LimbTouch::of_receptors(skin, nearest, posture).prepare(creature);
         let mut row = GapRow::default();
         row.set(skin, &outlook.parameters, &outlook.schema, &touch);
         row.variance(&outlook.covariance)

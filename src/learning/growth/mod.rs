@@ -56,11 +56,15 @@ const FREEDOM: usize = 4;
 const STARTS: usize = 16;
 /// Unknowns of a first part from which on fewer starts are made, and more touches needed.
 const FIRST_WIDTH: f64 = 45.0;
-/// Touches that a first part needs, in units of its joints' unknowns, for limbs that rest have theirs, too; and conditions from which on
-/// touches may tell of joints.
-const TOUCHES_AT_FIRST: f64 = 3.5;
-/// Starts of a first part from random initial guesses, of which most are soon given up.
-const STARTS_AT_FIRST: f64 = 200.0;
+/// At first little is waited for: a body that touches itself readily is soon learned.
+const HASTY: Patience = Patience { touches: 1.4, more: 1.2, starts: 40.0 };
+/// … and where that was in vain, for much: wide parts seldom succeed, and narrow ones have wrong answers.
+const PATIENT: Patience = Patience { touches: 3.5, more: MORE, starts: 200.0 };
+/// Starts with first parts that were made in haste, after which there is no more of it.
+const HASTY_STARTS: usize = 120;
+/// The least share of all unknowns that a part which is learned in haste has: from a small part of a large body it is far to the
+/// others.
+const HASTY_SHARE: f64 = 1.0 / 6.0;
 /// The fewest unknowns of the joints of a first part: with fewer wrong answers fit.
 pub const FEWEST_UNKNOWNS: usize = 24;
 /// … and where no touches join others to them.
@@ -91,6 +95,17 @@ const TRIED_AT_LAST: usize = 8;
 /// Schemas on the way that are kept; of more every second one is forgotten.
 const MOST_OF_WAY: usize = 12;
 
+/// What is waited for before a first part is learned.
+#[derive(Clone, Copy, Debug)]
+struct Patience {
+    /// Touches that it needs, in units of its joints' unknowns: limbs that rest have theirs, too.
+    touches: f64,
+    /// Those that it needs where it was tried in vain, in units of those that it had.
+    more: f64,
+    /// Starts from random initial guesses, of which most are soon given up.
+    starts: f64,
+}
+
 /// A body's schema as it grows.
 #[derive(Clone, Debug)]
 pub struct Growth {
@@ -103,6 +118,8 @@ pub struct Growth {
     /// Parts solved so far: each has its own random numbers.
     solves: u64,
     starts: usize,
+    /// Whether a first part is looked for in haste.
+    hurries: bool,
     /// Touches when anything was learned last, and from which on all is tried at once again.
     learned_after: usize,
     next_at_once: usize,
@@ -160,6 +177,7 @@ impl Growth {
             deadline: Deadline::Never,
             solves: 0,
             starts: 0,
+            hurries: false,
             learned_after: 0,
             next_at_once: 0,
             touches: Vec::new(),
@@ -192,11 +210,11 @@ impl Growth {
             told.moving.iter().copied().filter(|&joint| !self.resolved[joint]).collect();
         let least = if limbs.iter().all(|&limb| self.placed(limb)) { ALIKE } else { ALIKE_UNPLACED };
         // Many touches that are alike are one wrong answer's majority; what moves by one coordinate meets in one place.
-        let spare = alike > least.max((TOUCHES_AT_FIRST * self.width(&unresolved) as f64) as usize)
+        let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize)
             || told.moving.is_empty()
             || !is_new && factors.len() < 2;
         let suffices = conditions::most(factors.iter().map(Vec::len)) as f64
-            >= TOUCHES_AT_FIRST * self.width(&told.moving) as f64;
+            >= PATIENT.touches * self.width(&told.moving) as f64;
         let told = Arc::new(told);
         self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;
@@ -238,15 +256,33 @@ impl Growth {
         self.width(&(0..self.resolved.len()).collect::<Vec<usize>>())
     }
 
+    /// Looks for a first part in haste from now on, or does not.
+    pub fn hurry(&mut self, hurries: bool) {
+        self.hurries = hurries;
+    }
+
+    fn patience(&self) -> Patience {
+        if self.hurries { HASTY } else { PATIENT }
+    }
+
+    /// Whether some of the joints that moved in touches are few enough, and many enough of the body, to be learned in haste; not
+    /// where that was in vain often enough.
+    pub fn may_hurry(&self) -> bool {
+        let least = (HASTY_SHARE * self.width_of_all() as f64).max(FEWEST_UNKNOWNS as f64);
+        let narrow = |joints: &&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
+        self.starts < HASTY_STARTS && self.moved().keys().any(narrow)
+    }
+
     /// Touches that a first part of some joints needs, whether it or a part of it was tried in vain or not. Wide ones seldom
     /// succeed: narrow ones are given time.
     pub fn first_wanted(&self, joints: &[usize]) -> f64 {
+        let patience = self.patience();
         let is_within = |part: &Part| part.joints.iter().all(|joint| joints.contains(joint));
         let before =
             self.failed.iter().filter(|(part, _)| is_within(part)).map(|(_, &touches)| touches).max();
         let unknowns = self.width(joints) as f64;
-        let at_first = TOUCHES_AT_FIRST * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
-        at_first.max(MORE * before.unwrap_or(0) as f64)
+        let at_first = patience.touches * unknowns * (unknowns / FIRST_WIDTH).max(1.0);
+        at_first.max(patience.more * before.unwrap_or(0) as f64)
     }
 
     /// Touches that suffice for what moved in them in which nothing moved but some joints.
@@ -335,23 +371,7 @@ impl Growth {
 
     /// Learns all that can be learned from the touches so far, for there will be no more; whether that was anything.
     pub fn grow_all(&mut self) -> bool {
-        let tried = if self.gave_up() { TRIED_AT_LAST } else { usize::MAX };
-        let mut grown = self.grow_trying(tried);
-        while !self.deadline.has_passed() && self.grow_rest() {
-            grown = true;
-            self.grow_trying(tried);
-        }
-        grown
-    }
-
-    /// Learns all that is left as one part: touches in which everything moves determine nothing smaller.
-    fn grow_rest(&mut self) -> bool {
-        let before = self.known();
-        let part = self.all_lacking();
-        let enough = |problem: &PartProblem| problem.numbers.len() >= problem.unit.len();
-        let Some(problem) = self.part_problem(&part).filter(enough) else { return false };
-        let starts = if self.belief.is_some() { STARTS } else { first_starts(&problem).max(STARTS) };
-        self.learn(&problem, starts) && self.known() > before
+        self.grow_trying(if self.gave_up() { TRIED_AT_LAST } else { usize::MAX })
     }
 
     fn grow_trying(&mut self, tried: usize) -> bool {
@@ -408,7 +428,8 @@ impl Growth {
         candidates.sort_by_key(|(part, _)| self.width(&part.joints));
         candidates.into_iter().take(tried).any(|(part, touches)| {
             let problem = self.part_problem(&part);
-            let known = problem.is_some_and(|problem| self.learn(&problem, first_starts(&problem)));
+            let known =
+                problem.is_some_and(|problem| self.learn(&problem, first_starts(&problem, self.patience())));
             if !known {
                 self.failed.insert(part.key(), touches);
             }
@@ -465,9 +486,9 @@ impl Growth {
 }
 
 /// Starts that are made with a first part: wide ones cost more each, and fewer find the answer.
-fn first_starts(problem: &PartProblem) -> usize {
+fn first_starts(problem: &PartProblem, patience: Patience) -> usize {
     let share = (FIRST_WIDTH / problem.unit.len() as f64).powi(2).min(1.0);
-    (share * STARTS_AT_FIRST) as usize
+    (share * patience.starts) as usize
 }
 
 /// Touches of sets of joints that moved in which nothing moved but some joints.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Growth, conditions};
+use super::Growth;
 use crate::creature::DofKind;
 use crate::learning::scrutiny::ToldTouch;
 
@@ -120,15 +120,6 @@ impl Growth {
             dofs.iter().filter(|dof| dof.kind != DofKind::Ball).count()
         };
         joints.iter().map(|&joint| 3 + 2 * axes(joint)).sum()
-    }
-
-    /// Whether touches between the limbs of one can make as many conditions as joints have unknowns where these move, and all
-    /// between the limbs that are known.
-    pub fn can_tell(&self, touch: &GrownTouch, joints: &[usize]) -> bool {
-        let moves = |joint: &&usize| joints.contains(joint) || self.resolved[**joint];
-        let moved = touch.told.chain.iter().filter(moves);
-        let elements = moved.flat_map(|&joint| self.agent.creature().joints()[joint].elements());
-        conditions::most(elements.map(|at| conditions::count(at.kind))) >= self.width(joints)
     }
 
     /// Whether a touch lacks something, and nothing but what is in a part.

@@ -3,12 +3,10 @@
 //! To add a learner, write a file with a [`LearnerKind`], and name it in [`LEARNERS`]: the command line, sessions and
 //! studies have it by its name.
 
-mod gradient;
 mod growth;
 mod hersch;
 mod levenberg_marquardt;
 
-pub use gradient::RepairedHersch;
 pub use growth::PartByPart;
 pub use hersch::HerschsRule;
 pub use levenberg_marquardt::LevenbergMarquardt;
@@ -21,7 +19,7 @@ use crate::learning::growth::Growth;
 use crate::learning::{Input, KnownJoint, Learner, LimbFrames, SkinKnowledge};
 
 /// The learners, in the order in which they are named to the user; the first stands where none is named.
-pub const LEARNERS: &[&dyn LearnerKind] = &[&LevenbergMarquardt, &PartByPart, &HerschsRule, &RepairedHersch];
+pub const LEARNERS: &[&dyn LearnerKind] = &[&LevenbergMarquardt, &PartByPart, &HerschsRule];
 
 /// A kind of learner.
 pub trait LearnerKind: Sync {

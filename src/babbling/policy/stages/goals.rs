@@ -1,16 +1,11 @@
 //! What to learn next.
 
-use std::collections::BTreeSet;
-
-use super::trials::SURVEY_MOTIONS;
 use super::{Goal, Stages};
 
 /// Motions with a limb to be placed, with joints to be learned, and how many more for each further joint.
 const LIMB_MOTIONS: usize = 12;
 const JOINT_MOTIONS: usize = 40;
 const FURTHER_MOTIONS: usize = 20;
-/// Times that each joint is tried before all that are not known move together.
-const TRIES: f64 = 4.0;
 /// Times that a joint or a limb is tried before it is taken that it cannot be touched.
 const MOST_TRIES: f64 = 20.0;
 /// What it counts as, where no posture is found that promises anything.
@@ -20,12 +15,9 @@ const MOST_LOOKS: usize = 12;
 /// What limbs are to be placed to, one standard deviation, metres: a millimetre in 95 % of cases. The gaps of all touches then
 /// close as exactly as if it were asked for more.
 const PRECISE: f64 = 5e-4;
-/// The most unknowns of joints that a touch made by chance has learned at once.
-const CHANCE_UNKNOWNS: usize = 35;
 
 impl Stages {
-    /// Chooses what to learn next: joints that a touch made by chance had, a limb to place, a joint with much skin to both
-    /// sides; what was tried least first.
+    /// Chooses what to learn next: all at once, a limb to place, or a joint with much skin to both sides; what was tried least first.
     pub(super) fn next_goal(&mut self) {
         let creature = self.agent.creature();
         let open: Vec<usize> = (0..self.free.len()).filter(|&joint| !self.growth.resolved()[joint]).collect();
@@ -47,16 +39,6 @@ impl Stages {
             self.begin(Goal::Joints(open), JOINT_MOTIONS);
             return;
         }
-        self.goals += 1;
-        let tried = |joint: &usize| tries(&Goal::Joints(vec![*joint])) >= TRIES * (1 + self.surveys) as f64;
-        if !self.done && !open.is_empty() && open.iter().all(tried) {
-            // What cannot be learned alone may be together with what else is not known.
-            self.surveys += 1;
-            self.tried = None;
-            self.begin(Goal::Joints(open), SURVEY_MOTIONS);
-            return;
-        }
-        let repeated = (self.goals.is_multiple_of(2)).then(|| self.chance(&tries)).flatten();
         let limb =
             unplaced.iter().copied().min_by(|&a, &b| tries(&Goal::Limb(a)).total_cmp(&tries(&Goal::Limb(b))));
         let worth = |joint: usize| self.lever[joint] / (1.0 + tries(&Goal::Joints(vec![joint]))).powi(3);
@@ -65,13 +47,9 @@ impl Stages {
             (Some(limb), Some(joint)) => tries(&Goal::Limb(limb)) < tries(&Goal::Joints(vec![joint])),
             (limb, _) => limb.is_some(),
         };
-        let (goal, named, patience) = match (repeated, limb, joint) {
-            (Some(joints), _, _) => {
-                let patience = 30 + 2 * self.growth.width(&joints);
-                (Goal::Repeat(joints.clone()), Goal::Repeat(joints), patience)
-            }
-            (None, Some(limb), _) if limb_first => (Goal::Limb(limb), Goal::Limb(limb), LIMB_MOTIONS),
-            (None, _, Some(joint)) => {
+        let (goal, named, patience) = match (limb, joint) {
+            (Some(limb), _) if limb_first => (Goal::Limb(limb), Goal::Limb(limb), LIMB_MOTIONS),
+            (_, Some(joint)) => {
                 let named = Goal::Joints(vec![joint]);
                 // What cannot be touched alone may be together with its neighbours.
                 let further = tries(&named).min(3.0) as usize;
@@ -93,26 +71,5 @@ impl Stages {
         *self.tries.entry(named.clone()).or_insert(0.0) += 1.0;
         self.tried = Some(named);
         self.begin(goal, patience);
-    }
-
-    /// The joints to be learned of a touch that was made by chance: few, tried seldom, and with much skin.
-    pub(super) fn chance(&self, tries: &impl Fn(&Goal) -> f64) -> Option<Vec<usize>> {
-        let mut sets: BTreeSet<Vec<usize>> = BTreeSet::new();
-        for touch in self.growth.touches().iter().filter(|touch| !self.growth.is_spare(touch)) {
-            let joints = self.growth.lacks(touch).joints;
-            let few = !joints.is_empty() && self.growth.width(&joints) <= CHANCE_UNKNOWNS;
-            if few
-                && self.growth.can_tell(touch, &joints)
-                && tries(&Goal::Repeat(joints.clone())) < MOST_TRIES
-            {
-                sets.insert(joints);
-            }
-        }
-        let cost = |joints: &Vec<usize>| {
-            let tried = tries(&Goal::Repeat(joints.clone()));
-            let lever = joints.iter().map(|&joint| self.lever[joint] + 0.02).fold(0.0, f64::max);
-            self.growth.width(joints) as f64 * (1.0 + tried) / lever.sqrt()
-        };
-        sets.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)))
     }
 }

@@ -79,9 +79,6 @@ pub struct Stages {
     outlook: Option<Outlook>,
     /// Whether something was learned from the last touch.
     grown: bool,
-    goals: usize,
-    /// Times that all joints that are not known moved together.
-    surveys: usize,
     /// Times that all that was learned was looked at once more.
     looks: usize,
     tried: Option<Goal>,
@@ -117,8 +114,6 @@ struct Met {
 enum Goal {
     /// That joints are learned.
     Joints(Vec<usize>),
-    /// The same, by repeating touches that were made by chance.
-    Repeat(Vec<usize>),
     /// That a limb is placed.
     Limb(usize),
 }
@@ -142,12 +137,13 @@ impl Stages {
         let mut growth = Growth::new(agent, start.seed);
         growth.learn_from(start.input);
         growth.end_at(start.deadline);
+        growth.hurry(true);
         let mut stages = Stages {
             agent: agent.clone(),
             metres: unit.metres(),
             foresight: Foresight::new(agent),
             lever: beyond.iter().map(|beyond: &f64| beyond.min(all - beyond) / all).collect(),
-            trials: Vec::new(),
+            trials: vec![FirstSet::of((0..joints).collect())],
             trial: 0,
             is_choosing: true,
             all_move: false,
@@ -159,8 +155,6 @@ impl Stages {
             patience: TRIAL_MOTIONS,
             outlook: None,
             grown: false,
-            goals: 0,
-            surveys: 0,
             looks: 0,
             tried: None,
             tries: BTreeMap::new(),
@@ -175,7 +169,7 @@ impl Stages {
             done: growth.resolved().iter().all(|&resolved| resolved),
             growth,
         };
-        stages.begin_at_random();
+        stages.move_set(0, TRIAL_MOTIONS);
         stages
     }
 
@@ -184,7 +178,7 @@ impl Stages {
         if self.growth.schema().is_none() {
             self.free.fill(false);
         }
-        if let Goal::Joints(joints) | Goal::Repeat(joints) = &goal {
+        if let Goal::Joints(joints) = &goal {
             joints.iter().for_each(|&joint| self.free[joint] = true);
         }
         self.aim = goal;
@@ -197,7 +191,7 @@ impl Stages {
     /// The joints that the present goal is to learn.
     fn joints(&self) -> &[usize] {
         match &self.aim {
-            Goal::Joints(joints) | Goal::Repeat(joints) => joints,
+            Goal::Joints(joints) => joints,
             Goal::Limb(_) => &[],
         }
     }
@@ -262,7 +256,7 @@ impl Stages {
             let receptors = &self.agent.skin().receptors;
             let sure = receptors.iter().any(|r| self.wanted[r.limb] && self.growth.placed(r.limb));
             let often = if sure { REPEATED } else { REPEATED_UNSURE };
-            let repeats = matches!(self.aim, Goal::Repeat(_)) || rng.random::<f64>() < often;
+            let repeats = rng.random::<f64>() < often;
             for _ in 0..AIMS {
                 let again = if repeats { self.again(rng) } else { None };
                 let Some(target) = again.or_else(|| self.aimed(sure, rng)) else { continue };

@@ -48,10 +48,12 @@ impl Stages {
             self.outlook = self.growth.outlook();
         }
         let Some(outlook) = self.outlook.as_ref().filter(|_| guessed) else { return self.anywhere(rng) };
-        let gain = |target: &Posture| {
-            let met = self.foresight.first_met(&outlook.schema, [&self.start, target]);
-            met.map_or(0.0, |(limbs, posture)| self.growth.gain(outlook, limbs, &posture))
-        };
+        let gain =
+            |target: &Posture| match self.foresight.foresee(&outlook.schema, [&self.start, target], |_| true)
+            {
+                Foreseen::Meeting(limbs, posture) => self.growth.gain(outlook, limbs, &posture),
+                Foreseen::Nothing | Foreseen::Stuck => 0.0,
+            };
         let targets = (0..IMAGINED).map(|_| self.anywhere(rng)).map(|target| (gain(&target), target));
         targets.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(|| self.here(), |(_, target)| target)
     }
@@ -109,7 +111,7 @@ impl Stages {
             posture
         });
         match self.foresight.foresee(schema, [&from, &to], |limb| self.growth.placed(limb)) {
-            Foreseen::Meeting([a, b]) => self.wanted[a] != self.wanted[b],
+            Foreseen::Meeting([a, b], _) => self.wanted[a] != self.wanted[b],
             Foreseen::Nothing => !sure,
             Foreseen::Stuck => false,
         }
@@ -119,7 +121,6 @@ impl Stages {
     pub(super) fn is_repeatable(&self, touch: &GrownTouch) -> bool {
         let [a, b] = touch.told.limbs.map(|limb| self.wanted[limb]);
         let told = match self.aim {
-            Goal::Repeat(_) => touch.told.moving.iter().any(|joint| self.joints().contains(joint)),
             // Before the first part is known whatever moves tells of it.
             Goal::Joints(_) => a != b || self.growth.schema().is_none(),
             // Of two limbs neither of which is placed a touch does not place one.

@@ -18,8 +18,6 @@ const UNKNOWNS: [usize; 2] = [FEWEST_UNKNOWNS, 110];
 /// Touches after which a trial ends, and the most motions.
 const TRIAL_TOUCHES: usize = 12;
 pub(super) const TRIAL_MOTIONS: usize = 60;
-/// Motions with all joints that are not known, which show what can be touched at all.
-pub(super) const SURVEY_MOTIONS: usize = 150;
 /// So many more unknowns make a set twice as hard to learn: a random initial guess of many seldom finds their answer.
 const HARDER: f64 = 15.0;
 /// Touches are rare of which there are not more than one in so many motions.
@@ -38,7 +36,7 @@ pub(super) struct FirstSet {
 }
 
 impl FirstSet {
-    fn of(joints: Vec<usize>) -> FirstSet {
+    pub(super) fn of(joints: Vec<usize>) -> FirstSet {
         FirstSet { joints, ..FirstSet::default() }
     }
 
@@ -78,31 +76,21 @@ impl Stages {
         (0..SIZES).flat_map(of_size).collect()
     }
 
-    /// Begins with all joints.
-    pub(super) fn begin_at_random(&mut self) {
-        self.trials = vec![self.all_joints()];
-        self.move_set(0, SURVEY_MOTIONS);
-    }
-
     /// Whether all that is not known moves, and is learned at once: not where that seldom touches.
     pub(super) fn learns_at_once(&self) -> bool {
         self.all_move && self.growth.learns_at_once()
     }
 
-    fn all_joints(&self) -> FirstSet {
-        FirstSet::of((0..self.free.len()).collect())
-    }
-
     /// Begins with the first set; all joints, which were tried already, are the last.
     fn begin_trials(&mut self) {
-        let FirstSet { touches, motions, .. } = self.trials[0];
-        let all = FirstSet { touches, motions: motions + self.motions, ..self.all_joints() };
+        self.growth.hurry(false);
+        self.trials[0].motions += self.motions;
         let sets = self.first_sets().into_iter().map(FirstSet::of);
-        self.trials = sets.chain([all]).collect();
+        self.trials.splice(..0, sets);
         self.move_set(0, TRIAL_MOTIONS);
     }
 
-    fn move_set(&mut self, number: usize, motions: usize) {
+    pub(super) fn move_set(&mut self, number: usize, motions: usize) {
         self.trial = number;
         self.begin(Goal::Joints(self.trials[number].joints.clone()), motions);
     }
@@ -124,7 +112,8 @@ impl Stages {
             let motions = RARE * SURVEY_TOUCHES;
             let touches_soon = self.growth.touches().len() >= SURVEY_TOUCHES;
             self.all_move |= touches_soon && self.motions <= motions;
-            if (touches_soon || self.motions >= motions) && !self.learns_at_once() {
+            let waits = self.learns_at_once() || self.growth.may_hurry();
+            if (touches_soon || self.motions >= motions) && !waits {
                 self.begin_trials();
             }
             return;
