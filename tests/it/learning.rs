@@ -361,10 +361,4 @@ mod slow {
     fn a_learner_of_max_that_is_told_nonsense_says_that_it_failed() {
         fails_on_nonsense(&max("torso"), 200);
     }
-
-    #[test]
-    #[ignore = "slow: another initial guess of Max"]
-    fn the_repaired_gradient_recovers_the_torso_from_another_guess() {
-        recovers_by_gradient(102);
-    }
 }

@@ -65,7 +65,7 @@ fn a_study_prints_one_json_object_with_its_seeds_and_saves_its_files() {
     let saved = fs::read_to_string(folder.join("study.json")).unwrap();
     assert_eq!(serde_json::from_str::<Value>(&saved).unwrap(), found);
     let csv = fs::read_to_string(folder.join("study.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 9, "{csv}");
+    assert_eq!(csv.lines().count(), 7, "{csv}");
     assert!(csv.starts_with("learner,touches,seed,heldout_mm,"), "{csv}");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 2, "trials are left beside what they came to");
 }
