@@ -145,7 +145,7 @@ pub struct Growth {
     failed: BTreeMap<Part, usize>,
     /// What is believed where nothing is known: random at first, then the best answer so far.
     guess: BodySchema,
-    /// What was believed after so many touches, whenever more was known.
+    /// What was believed after so many touches, whenever more was known or guessed better.
     way: Vec<(usize, BodySchema)>,
 }
 
@@ -223,9 +223,12 @@ impl Growth {
             let many = ((MORE - 1.0) * self.touches.len() as f64) as usize;
             self.next = self.touches.len() + if self.gave_up() { many } else { few };
         }
+        let before = self.guess.clone();
         let grown = due && self.grow_trying(TRIED);
         if grown {
             self.learned_after = self.touches.len();
+        }
+        if grown || self.guess != before {
             self.way.push((self.touches.len(), self.believed()));
             if self.way.len() > MOST_OF_WAY {
                 let mut number = 0;
@@ -328,7 +331,7 @@ impl Growth {
         believed
     }
 
-    /// What was believed on the way: after so many touches, when more was known than before.
+    /// What was believed on the way: after so many touches, when more was known or guessed better than before.
     pub fn way(&self) -> &[(usize, BodySchema)] {
         &self.way
     }
