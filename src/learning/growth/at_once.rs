@@ -62,7 +62,7 @@ impl Growth {
 
     /// Tries to learn all at once, where there are touches enough more than the last time; whether anything was learned.
     pub(super) fn grow_at_once(&mut self) -> bool {
-        if self.touches.len() < self.next_at_once {
+        if !self.learns_at_once() || self.touches.len() < self.next_at_once {
             return false;
         }
         let part = self.all_lacking();

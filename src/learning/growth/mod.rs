@@ -380,7 +380,7 @@ impl Growth {
     fn grow_trying(&mut self, tried: usize) -> bool {
         let mut grown = false;
         if self.belief.is_none() {
-            grown = self.grow_first(tried.div_ceil(2)) || self.learns_at_once() && self.grow_at_once();
+            grown = self.grow_first(tried.div_ceil(2)) || self.grow_at_once();
             if !grown {
                 return false;
             }
@@ -409,7 +409,7 @@ impl Growth {
                 }
                 gained
             });
-            if !learned && !(self.learns_at_once() && self.grow_at_once()) {
+            if !learned && !self.grow_at_once() {
                 return grown;
             }
             grown = true;
