@@ -3,7 +3,8 @@
 //! Joints that rest in the reference posture turn nothing: the limbs on both sides of them are one, and their
 //! positions add up. So touches made while few joints move have few unknowns, and a body is learned as infants free
 //! theirs (Bernstein, "The Co-ordination and Regulation of Movements", 1967): a part of few joints first, from random
-//! initial guesses; then, touch by touch, the parts next to what is known. What is known is never frozen: it enters as
+//! initial guesses; then, touch by touch, the parts next to what is known. Where all moves and there is not too much to be
+//! learned, it is learned at once (`at_once`). What is known is never frozen: it enters as
 //! a Gaussian with its full covariance ([`Anchor`]), of which the initial guesses of what is new are drawn, too.
 //!
 //! A part is accepted when the surfaces of its touches meet, within the patches that felt them and on their outside;

@@ -1,7 +1,8 @@
 //! Growing up: few joints are learned at first, and more as they are known.
 //!
-//! All joints move at random until some that touched each other most can be learned; where that is in vain, all rest but a
-//! few, and which few is found by trial ([`trials`]). Once they are known (see
+//! All joints move at random at first. Where that touches soon, and there is not too much to be learned, all go on moving, to where
+//! the touch that is foreseen tells most ([`motions`]). Else some that touched each other most are learned; where that is in vain, all
+//! rest but a few, and which few is found by trial ([`trials`]). Once they are known (see
 //! [`Growth`](crate::learning::growth)), what is known moves, and one joint more, or two or three; or only what is
 //! known, towards a limb that is not placed yet ([`goals`]). Where the schema tells how, motions are aimed; where it does
 //! not, what was touched once is touched again, a little differently; and only ways are gone on which, as the schema
