@@ -104,6 +104,12 @@ mod tests {
             let posture: Vec<f64> =
                 kinds.iter().map(|kind| rng.random_range(range(*kind)[0]..range(*kind)[1])).collect();
             let factors: Vec<Vec<f64>> = creature.elements().map(|at| factors(at, &posture)).collect();
+            let count = |kind: &DofKind| match kind {
+                DofKind::Hinge => 3,
+                DofKind::Slide => 2,
+                DofKind::Ball => 10,
+            };
+            assert!(factors.iter().zip(kinds).all(|(factors, kind)| factors.len() == count(kind)));
             conditions.take(&factors);
         }
         conditions

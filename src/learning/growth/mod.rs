@@ -224,12 +224,12 @@ impl Growth {
             let many = ((MORE - 1.0) * self.touches.len() as f64) as usize;
             self.next = self.touches.len() + if self.gave_up() { many } else { few };
         }
-        let before = self.guess.clone();
+        let before = due.then(|| self.guess.clone());
         let grown = due && self.grow_trying(TRIED);
         if grown {
             self.learned_after = self.touches.len();
         }
-        if grown || self.guess != before {
+        if before.is_some_and(|before| grown || self.guess != before) {
             self.way.push((self.touches.len(), self.believed()));
             if self.way.len() > MOST_OF_WAY {
                 let mut number = 0;
@@ -247,19 +247,6 @@ impl Growth {
         self.input = input;
     }
 
-    /// The sets of joints that moved in touches that suffice for them, and in how many.
-    fn moved(&self) -> BTreeMap<&[usize], usize> {
-        let mut moved = BTreeMap::new();
-        for touch in self.touches.iter().filter(|touch| touch.suffices) {
-            *moved.entry(touch.told.moving.as_slice()).or_default() += 1;
-        }
-        moved
-    }
-
-    fn width_of_all(&self) -> usize {
-        self.width(&(0..self.resolved.len()).collect::<Vec<usize>>())
-    }
-
     /// Looks for a first part in haste from now on, or does not.
     pub fn hurry(&mut self, hurries: bool) {
         self.hurries = hurries;
@@ -275,6 +262,19 @@ impl Growth {
         let least = (HASTY_SHARE * self.width_of_all() as f64).max(FEWEST_UNKNOWNS as f64);
         let narrow = |joints: &&[usize]| (least..=FIRST_WIDTH).contains(&(self.width(joints) as f64));
         self.starts < HASTY_STARTS && self.moved().keys().any(narrow)
+    }
+
+    /// The sets of joints that moved in touches that suffice for them, and in how many.
+    fn moved(&self) -> BTreeMap<&[usize], usize> {
+        let mut moved = BTreeMap::new();
+        for touch in self.touches.iter().filter(|touch| touch.suffices) {
+            *moved.entry(touch.told.moving.as_slice()).or_default() += 1;
+        }
+        moved
+    }
+
+    fn width_of_all(&self) -> usize {
+        self.width(&(0..self.resolved.len()).collect::<Vec<usize>>())
     }
 
     /// Touches that a first part of some joints needs, whether it or a part of it was tried in vain or not. Wide ones seldom
