@@ -71,7 +71,7 @@ impl Policy for Still {
         module: "again",
         content: r#"//! Another way to Hersch's rule repaired.
 
-use super::{LearnerGivens, LearnerKind, RepairedHersch};
+use super::{LearnerGivens, LearnerKind, HerschsRule};
 use crate::agent::Agent;
 use crate::learning::Learner;
 
@@ -87,7 +87,7 @@ impl LearnerKind for Again {
     }
 
     fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
-        RepairedHersch.learner(agent, given, seed + 1)
+        HerschsRule.learner(agent, given, seed + 1)
     }
 }
 "#,
