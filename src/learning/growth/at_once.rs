@@ -26,14 +26,12 @@ use crate::schema::BodySchema;
 const WIDEST: usize = 160;
 /// Touches, in units of the unknowns, without anything learned from them after which no more is learned at once.
 const MOST_TOUCHES: f64 = 2.5;
-/// Touches from which on all is tried at once, in units of the unknowns; and from which on much is tried, for now there may be
-/// enough of them.
+/// Touches from which on all is tried at once, in units of the unknowns; and from which on it is tried whenever that is due, for now
+/// there may be enough of them.
 const FEWEST: f64 = 0.4;
 const NEARLY_ENOUGH: f64 = 0.9;
 /// Where there are fewer, it is tried again after so many times as many touches.
 const AGAIN: f64 = 1.15;
-/// Times that starts are made beside the one that goes on, where there are nearly enough touches.
-const WAVES: usize = 2;
 /// An answer whose receptors are so many times as far apart as those of the best so far is no better.
 const NO_BETTER: f64 = 1.1;
 /// Answers are compared by gaps in units of this, metres, and by how far apart receptors are that touched, in units of that.
@@ -72,40 +70,37 @@ impl Growth {
             return false;
         }
         let known = self.known();
-        let (waves, more) = if share < NEARLY_ENOUGH { (1, AGAIN) } else { (WAVES, 1.0) };
-        let solved = self.improved(&problem, waves);
+        let solved = self.improved(&problem);
         let grown = self.is_answer(&problem, &solved) && self.known() > known;
         if !grown {
+            let more = if share < NEARLY_ENOUGH { AGAIN } else { 1.0 };
             self.next_at_once = (more * self.touches.len() as f64) as usize;
         }
         grown
     }
 
-    /// A better answer for a part than the best so far.
-    fn improved(&mut self, problem: &PartProblem, waves: usize) -> Solved {
+    /// A better answer for a part than the best so far: from where that was, or from there but for some joints.
+    fn improved(&mut self, problem: &PartProblem) -> Solved {
         self.solves += 1;
         let mut from = problem.base.clone();
         self.take_joints(&problem.part.joints, &self.guess, &mut from);
         let mut best = self.gone_on(problem, from);
-        let mut apart = self.apart(problem, &best.schema);
-        for wave in 0..waves {
-            if best.closes_all() || self.deadline.has_passed() {
-                break;
-            }
-            let blame = self.blame(problem, &apart);
+        if !best.closes_all() && !self.deadline.has_passed() {
+            let apart = self.apart(problem, &best.schema);
+            let (mut left, blame) = (apart.iter().sum::<f64>(), self.blame(problem, &apart));
             let hopeless = HOPELESS.min(NO_BETTER * usual_miss(&problem.touches, &best.schema));
             let made: Vec<Solved> = in_parallel((0..AT_ONCE).collect(), |number| {
-                let start = wave * AT_ONCE + number;
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-                rng.set_stream((self.solves << 16) + start as u64);
+                rng.set_stream((self.solves << 16) + number as u64);
                 let redrawn = self.redrawn(problem, &best.schema, &blame, number, &mut rng);
-                self.start_from(problem, redrawn, start, hopeless)
+                self.start_from(problem, redrawn, number, hopeless)
             });
             self.starts += made.len();
             for other in made {
-                let of_other = self.apart(problem, &other.schema);
-                if of_other.iter().sum::<f64>() < apart.iter().sum::<f64>() {
-                    (apart, best) = (of_other, other);
+                let of_other = self.apart(problem, &other.schema).iter().sum();
+                let [explained, before] = [&other, &best].map(Solved::explained);
+                if explained > before || explained == before && of_other < left {
+                    (left, best) = (of_other, other);
                 }
             }
         }

@@ -34,8 +34,8 @@ pub(super) const AT_ONCE: usize = 4;
 const OFTEN_DRAWN: f64 = 0.7;
 /// Starts of the first part whose points nearly meet and whose surfaces do not, after which no more are made.
 const MOST_NEAR: usize = 16;
-/// Deviations of the gap, metres, from which surfaces are closed, in turn by those starts that are made at once: wide ones find
-/// answers from farther away, among false touches only narrow ones find any.
+/// Deviations of the gap, metres, from which surfaces are closed: wide ones find answers from farther away, among false touches only
+/// narrow ones find any. Starts that are made at once have one of these and one of the next each, for their points often meet alike.
 const FIRST_GAPS: [f64; 2] = [WIDEST, 0.5 * WIDEST];
 /// Those down to which axes stay relaxed: joints that turn little are caught in one wrong minimum or another, and which depends on
 /// this.
@@ -72,9 +72,9 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// What makes one answer better than another: what explains most of its touches, by how many.
-    fn worth(&self) -> f64 {
-        self.share + if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
+    /// How many touches it closes where it explains most of them, otherwise none: what may stand is better than what may not.
+    pub fn explained(&self) -> f64 {
+        if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
     }
 
     /// Whether hardly a touch is left open: no better answer is looked for.
@@ -160,7 +160,8 @@ impl Growth {
                 break;
             }
         }
-        let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
+        let worth = |at: usize| solved[at].explained() + solved[at].share;
+        let at = (0..solved.len()).max_by(|&a, &b| worth(a).total_cmp(&worth(b)))?;
         let mut best = solved.swap_remove(at);
         best.schema = self.carried(problem, &best.schema);
         Some(best)
@@ -309,7 +310,7 @@ impl Growth {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
         let beliefs = problem.beliefs();
-        let widest = FIRST_GAPS[number / AT_ONCE % FIRST_GAPS.len()];
+        let widest = FIRST_GAPS[number / RELAXED_GAPS.len() % FIRST_GAPS.len()];
         let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()].min(widest);
         schema = self.closest([widest, narrowest], touches, relaxed, &beliefs, schema);
         schema.normalize_axes(creature);
