@@ -82,9 +82,7 @@ impl Growth {
     /// A better answer for a part than the best so far: from where that was, or from there but for some joints.
     fn improved(&mut self, problem: &PartProblem) -> Solved {
         self.solves += 1;
-        let mut from = problem.base.clone();
-        self.take_joints(&problem.part.joints, &self.guess, &mut from);
-        let mut best = self.gone_on(problem, from);
+        let mut best = self.gone_on(problem, problem.base.clone());
         if !best.closes_all() && !self.deadline.has_passed() {
             let apart = self.apart(problem, &best.schema);
             let (mut left, blame) = (apart.iter().sum::<f64>(), self.blame(problem, &apart));
@@ -104,20 +102,9 @@ impl Growth {
                 }
             }
         }
-        let mut guess = self.guess.clone();
-        self.take_joints(&problem.part.joints, &best.schema, &mut guess);
-        self.guess = guess;
+        self.guess = best.schema.clone();
         best.schema = self.carried(problem, &best.schema);
         best
-    }
-
-    /// What a schema has of some joints, taken into another one.
-    fn take_joints(&self, joints: &[usize], from: &BodySchema, into: &mut BodySchema) {
-        for &joint in joints {
-            into.positions[joint] = from.positions[joint];
-            let dofs = self.agent.creature().joints()[joint].dof_indices();
-            dofs.for_each(|dof| into.axes[dof] = from.axes[dof]);
-        }
     }
 
     /// An answer with some joints of a part drawn anew, those most likely that are to blame most; their positions stay.

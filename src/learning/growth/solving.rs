@@ -257,7 +257,7 @@ impl Growth {
             new: prior,
             known,
             spread,
-            base: self.schema().unwrap_or(&self.known.prior.mean).clone(),
+            base: self.believed(),
         })
     }
 
