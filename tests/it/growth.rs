@@ -165,6 +165,18 @@ fn a_joint_whose_touches_stay_open_is_not_told_of() {
     }
 }
 
+/// The palm of this hand turns in no touch: nothing is known of its axis, and the session is kept all the same.
+#[test]
+fn a_joint_that_turns_in_no_touch_is_kept_with_an_axis_and_named() {
+    let place = tempfile::tempdir().unwrap();
+    succeeds(place.path(), &["study", "generate", "--seed", "51512", "--out", "hand.xml"]);
+    let found = json(place.path(), &["babble", "hand.xml", "--seed", "51512", "--out", "hand", "--json"]);
+    let undetermined = found["undetermined"].as_array().unwrap();
+    assert!(undetermined.iter().any(|joint| joint == "palm"), "{undetermined:?}");
+    let schema = std::fs::read_to_string(place.path().join("hand/schema.json")).unwrap();
+    assert!(schema.contains("palm"));
+}
+
 /// It knows its body by the surfaces under its receptors.
 #[test]
 fn growth_refuses_what_it_cannot_learn_from() {
