@@ -96,8 +96,9 @@ impl Growth {
             self.starts += made.len();
             for other in made {
                 let of_other = self.apart(problem, &other.schema).iter().sum();
-                let [explained, before] = [&other, &best].map(Solved::explained);
-                if explained > before || explained == before && of_other < left {
+                // One that closes all may have receptors a little farther apart.
+                let [closes, before] = [&other, &best].map(Solved::closes_all);
+                if closes && !before || closes == before && of_other < left {
                     (left, best) = (of_other, other);
                 }
             }

@@ -72,9 +72,9 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// How many touches it closes where it explains most of them, otherwise none: what may stand is better than what may not.
-    pub fn explained(&self) -> f64 {
-        if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
+    /// What makes one answer better than another: what explains most of its touches, by how many.
+    fn worth(&self) -> f64 {
+        self.share + if self.exact > ENOUGH { self.closed as f64 } else { 0.0 }
     }
 
     /// Whether hardly a touch is left open: no better answer is looked for.
@@ -160,8 +160,7 @@ impl Growth {
                 break;
             }
         }
-        let worth = |at: usize| solved[at].explained() + solved[at].share;
-        let at = (0..solved.len()).max_by(|&a, &b| worth(a).total_cmp(&worth(b)))?;
+        let at = (0..solved.len()).max_by(|&a, &b| solved[a].worth().total_cmp(&solved[b].worth()))?;
         let mut best = solved.swap_remove(at);
         best.schema = self.carried(problem, &best.schema);
         Some(best)

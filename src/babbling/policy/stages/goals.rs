@@ -33,8 +33,7 @@ impl Stages {
             self.looks += 1;
             self.done = self.growth.stands();
         }
-        let lacks = !open.is_empty() || unplaced.iter().any(|&limb| felt[limb]);
-        if !self.done && lacks && self.learns_at_once() {
+        if !self.done && !open.is_empty() && self.learns_at_once() {
             self.tried = None;
             self.begin(Goal::Joints(open), JOINT_MOTIONS);
             return;

@@ -36,6 +36,8 @@ const ANYWHERE: f64 = 0.15;
 const REPEATED: f64 = 0.3;
 /// … and where it is not known well enough where to aim.
 const REPEATED_UNSURE: f64 = 0.7;
+/// Share of motions for a limb, where all that is not known is learned at once, that go where the touch tells most.
+const EXPLORED: f64 = 0.5;
 /// Draws of two receptors to aim at.
 const AIMS: usize = 8;
 /// The share of the way back that is gone to part limbs in touch.
@@ -241,7 +243,8 @@ impl Stages {
         if self.at_random.is_some() && first {
             return self.anywhere(rng);
         }
-        if self.learns_at_once() && matches!(self.aim, Goal::Joints(_)) {
+        let for_joints = matches!(self.aim, Goal::Joints(_));
+        if self.learns_at_once() && (for_joints || rng.random::<f64>() < EXPLORED) {
             return self.most_telling(rng);
         }
         if first && self.touches_seldom() && rng.random::<f64>() < REPEATED_AT_FIRST {
