@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
 /// The most shares that work is cut into.
@@ -46,14 +47,9 @@ impl Share {
         self.of
     }
 
-    /// Its piece of a number, which is the piece of this number of all work; both from 0 on.
-    pub fn piece(self, own: u64) -> u64 {
-        own.saturating_mul(self.of).saturating_add(self.number - 1)
-    }
-
-    /// How many of the first pieces of all work are its own.
-    pub fn of_first(self, pieces: u64) -> u64 {
-        (pieces + self.of - self.number) / self.of
+    /// Its own among numbered pieces of work.
+    pub fn own(self, pieces: Range<u64>) -> impl Iterator<Item = u64> {
+        pieces.skip(self.number as usize - 1).step_by(self.of as usize)
     }
 }
 
@@ -83,8 +79,7 @@ mod tests {
             for pieces in [0, 1, 7, 48, 100] {
                 let mut had: Vec<u64> = Vec::new();
                 for share in Share::all(of) {
-                    let own: Vec<u64> = (0..share.of_first(pieces)).map(|own| share.piece(own)).collect();
-                    had.extend(own);
+                    had.extend(share.own(0..pieces));
                 }
                 had.sort_unstable();
                 assert_eq!(had, (0..pieces).collect::<Vec<_>>());

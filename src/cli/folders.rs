@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use crate::session::{
     FIRINGS_FILE, FolderLock, LEARNED_FILE, LEARNED_RECORD_FILE, LEARNING_FILE, PROGRESS_FILE, SCHEMA_FILE,
-    SENSATIONS_FILE, SESSION_FILE, SHARES_FOLDER, SPACE_FILE, STUDY_FILE, Session, TOUCHES_FILE,
+    SENSATIONS_FILE, SESSION_FILE, SPACE_FILE, Session, TOUCHES_FILE,
 };
-use crate::share::Share;
-use crate::study::Shares;
 use crate::view::report::REPORT_FILE;
 
 /// Files that a session writes, any of which would be lost if one began where it is.
@@ -59,17 +57,6 @@ pub fn written_session(folder: &Path) -> Result<FolderLock, Failure> {
         Session::read(folder)?;
     }
     Ok(FolderLock::take(folder)?)
-}
-
-/// The place of a share below the folder of a study, which is made.
-pub fn take_share(folder: &Path, share: Share) -> Result<FolderLock, Failure> {
-    if folder.join(STUDY_FILE).exists() && !folder.join(SHARES_FOLDER).exists() {
-        return Err(Failure(format!(
-            "{} contains unsharded work ({STUDY_FILE}): give another folder with --out",
-            folder.display()
-        )));
-    }
-    Ok(FolderLock::make(&Shares::folder(folder, share))?)
 }
 
 /// A folder for new results, unless it holds one of their files that may not be replaced. It is the caller's alone, who writes into

@@ -145,30 +145,41 @@ impl CramerRaoBound {
         points: &[HeldOutPoint],
         errors: &[f64],
     ) -> Option<CramerRaoBound> {
-        let (mut bounds, mut squares, mut count) = (0.0, 0.0, 0);
-        for (point, error) in points.iter().zip(errors) {
-            if !account.claims(point.limbs[0], point.limbs[1]) {
-                continue;
-            }
-            let deviation =
-                observability.point_deviation(creature, schema, &point.posture, point.limbs, &point.p_a);
-            // A direction that no touch feels bounds nothing.
-            if deviation.is_finite() {
-                bounds += (1e3 * deviation).powi(2);
-                squares += error * error;
-                count += 1;
-            }
-        }
-        let rms = |sum: f64| (sum / count as f64).sqrt();
-        let (bound_rms, error_rms) = (rms(bounds), rms(squares));
-        (count > 0).then_some(CramerRaoBound {
+        let (claimed, deviations) = claimed_deviations(creature, schema, account, observability, points);
+        let errors: Vec<f64> = claimed.iter().map(|&point| errors[point]).collect();
+        let (bound_rms, error_rms) = (rms(&deviations)?, rms(&errors)?);
+        Some(CramerRaoBound {
             bound_rms,
             error_rms,
             ratio: error_rms / bound_rms,
-            points: count,
+            points: errors.len(),
             at_floor: account.witnesses.at_floor,
         })
     }
+}
+
+/// The indices of the points whose limbs an account claims to be placed against one another, each with the standard deviation
+/// that the touches leave it, millimetres. A direction that no touch feels bounds nothing: points in such are left out.
+pub(super) fn claimed_deviations(
+    creature: &Creature,
+    schema: &BodySchema,
+    account: &Account,
+    observability: &Observability,
+    points: &[HeldOutPoint],
+) -> (Vec<usize>, Vec<f64>) {
+    let claimed =
+        points.iter().enumerate().filter(|(_, point)| account.claims(point.limbs[0], point.limbs[1]));
+    let deviation = |HeldOutPoint { posture, limbs, p_a }: &HeldOutPoint| {
+        1e3 * observability.point_deviation(creature, schema, posture, *limbs, p_a)
+    };
+    let deviations = claimed.map(|(index, point)| (index, deviation(point)));
+    deviations.filter(|(_, deviation)| deviation.is_finite()).unzip()
+}
+
+/// The root mean square of some numbers; `None` if there is none.
+pub(super) fn rms(values: &[f64]) -> Option<f64> {
+    let squares: f64 = values.iter().map(|value| value * value).sum();
+    (!values.is_empty()).then(|| (squares / values.len() as f64).sqrt())
 }
 
 /// How far one axis was learned wrong.

@@ -1,6 +1,7 @@
 //! What can be told of a schema without the truth: how sure the touches make it, and how far apart it puts what
 //! touched in touches that it was not fitted to.
 
+use super::measures::{claimed_deviations, rms};
 use super::{Summary, held_out_points};
 use crate::agent::Agent;
 use crate::learning::annealing::gaps;
@@ -29,18 +30,10 @@ impl OwnAccount {
     pub fn new(agent: &Agent, touches: &[Touch], learned: &Learned) -> Option<OwnAccount> {
         let (creature, input) = (agent.creature(), learned.basis.input);
         let account = learned.account.as_ref()?;
-        let observability = &account.observability;
-        let (mut squares, mut count) = (0.0, 0);
-        for point in held_out_points(agent) {
-            let [a, b] = point.limbs;
-            let deviation =
-                observability.point_deviation(creature, &learned.schema, &point.posture, [a, b], &point.p_a);
-            if deviation.is_finite() && learned.verdict.converged() && account.claims(a, b) {
-                squares += (1e3 * deviation).powi(2);
-                count += 1;
-            }
-        }
-        let expected_mm = (count > 0).then(|| (squares / f64::from(count)).sqrt());
+        let expected_mm = learned.reliable_account().and_then(|account| {
+            let (schema, observability) = (&learned.schema, &account.observability);
+            rms(&claimed_deviations(creature, schema, account, observability, &held_out_points(agent)).1)
+        });
 
         // A body that places no skin may explain touches all the same, as far as one arm at one place tells.
         let all = learned.reliable_account().is_none_or(|account| !account.claims_any());

@@ -1,6 +1,7 @@
 //! The error during learning, and its bound.
 
-use super::{CramerRaoBound, HeldOutPoint, held_out, held_out_points};
+use super::measures::{claimed_deviations, rms};
+use super::{HeldOutPoint, held_out, held_out_points};
 use crate::agent::Agent;
 use crate::ground_truth::GroundTruth;
 use crate::learning::Learned;
@@ -36,24 +37,15 @@ impl<'a> Progress<'a> {
 
     /// Root mean square of a schema's held-out errors, millimetres; `None` if there is no point.
     pub fn error_rms(&self, schema: &BodySchema) -> Option<f64> {
-        let errors = held_out(self.agent.creature(), self.truth, schema, &self.points);
-        let squares: f64 = errors.iter().map(|error| error.powi(2)).sum();
-        (!errors.is_empty()).then(|| (squares / errors.len() as f64).sqrt())
+        rms(&held_out(self.agent.creature(), self.truth, schema, &self.points))
     }
 
     /// The Cramér-Rao bound of the same from touches that determine so much, millimetres; `None` if they leave some of it open.
     pub fn bound_rms(&self, observability: &Observability) -> Option<f64> {
-        let (creature, learned) = (self.agent.creature(), self.learned);
-        let errors = held_out(creature, self.truth, &learned.schema, &self.points);
-        let bound = CramerRaoBound::new(
-            creature,
-            &learned.schema,
-            learned.account.as_ref()?,
-            observability,
-            &self.points,
-            &errors,
-        )?;
-        let most = bound.points as f64 >= MOST_OF_THEM * self.points.len() as f64;
-        Some(bound.bound_rms).filter(|rms| most && rms.is_finite())
+        let (creature, schema) = (self.agent.creature(), &self.learned.schema);
+        let account = self.learned.account.as_ref()?;
+        let (_, deviations) = claimed_deviations(creature, schema, account, observability, &self.points);
+        let most = deviations.len() as f64 >= MOST_OF_THEM * self.points.len() as f64;
+        rms(&deviations).filter(|rms| most && rms.is_finite())
     }
 }

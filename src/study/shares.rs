@@ -1,6 +1,6 @@
 //! The trials of a study as files in a folder, written by one or several interruptible processes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -89,8 +89,7 @@ impl StudyShare {
     /// The seeds of this share's trials.
     pub fn seeds(&self) -> Vec<u64> {
         let share: Share = self.share.parse().unwrap_or(Share::WHOLE);
-        let seeds = self.asked.seeds();
-        (0..share.of_first(seeds.end - seeds.start)).map(|own| seeds.start + share.piece(own)).collect()
+        share.own(self.asked.seeds()).collect()
     }
 
     /// The seeds of those of its trials that are not in a folder.
@@ -99,55 +98,33 @@ impl StudyShare {
     }
 }
 
-/// The shares of a study in a folder that were begun.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Shares {
-    of: u64,
-    begun: BTreeMap<Share, PathBuf>,
+/// The folder of a share in that of its study: `shares/03-of-16`.
+pub(crate) fn share_folder(study: &Path, share: Share) -> PathBuf {
+    let width = share.of().to_string().len();
+    study.join(SHARES_FOLDER).join(format!("{:0width$}-of-{}", share.number(), share.of()))
 }
 
-impl Shares {
-    /// The folder of a share: `shares/03-of-16`.
-    pub(crate) fn folder(of: &Path, share: Share) -> PathBuf {
-        let width = share.of().to_string().len();
-        of.join(SHARES_FOLDER).join(format!("{:0width$}-of-{}", share.number(), share.of()))
+/// The number of shares into which the study in a folder is divided.
+fn count_of_shares(study: &Path) -> Result<u64, Error> {
+    let place = study.join(SHARES_FOLDER);
+    if !place.is_dir() {
+        let message = "it contains no shares: make them with `bodyschema study … --shard 1/3 --out DIR`, and give that DIR";
+        return Err(Error::content(study, None, message));
     }
-
-    /// Looks for the shares in a folder.
-    pub(crate) fn find(folder: &Path) -> Result<Shares, Error> {
-        let place = folder.join(SHARES_FOLDER);
-        if !place.is_dir() {
-            let message = "it contains no shares: make them with `bodyschema study … --shard 1/3 --out DIR`, and give that DIR";
-            return Err(Error::content(folder, None, message));
-        }
-        let io = || Error::unreadable(&place);
-        let mut begun = BTreeMap::new();
-        for entry in fs::read_dir(&place).map_err(io())? {
-            let path = entry.map_err(io())?.path();
-            let share = path.file_name().and_then(|name| name.to_str()).and_then(named);
-            begun.extend(
-                share.filter(|share| Shares::folder(folder, *share) == path).map(|share| (share, path)),
-            );
-        }
-        let mut counts = begun.keys().map(|share| share.of());
-        let Some(of) = counts.next() else {
-            return Err(Error::content(&place, None, "it contains no share: make one with --shard"));
-        };
-        if let Some(other) = counts.find(|other| *other != of) {
-            let message = format!("it contains shares of {of} and of {other}: remove one kind");
-            return Err(Error::content(&place, None, message));
-        }
-        Ok(Shares { of, begun })
+    let mut counts = BTreeSet::new();
+    for entry in fs::read_dir(&place).map_err(Error::unreadable(&place))? {
+        let path = entry.map_err(Error::unreadable(&place))?.path();
+        let share = path.file_name().and_then(|name| name.to_str()).and_then(named);
+        counts.extend(share.filter(|share| share_folder(study, *share) == path).map(Share::of));
     }
-
-    /// Those that were begun, and where they are.
-    fn begun(&self) -> impl Iterator<Item = (Share, &Path)> {
-        self.begun.iter().map(|(share, path)| (*share, path.as_path()))
-    }
-
-    /// Those that were not.
-    fn missing(&self) -> Vec<Share> {
-        Share::all(self.of).filter(|share| !self.begun.contains_key(share)).collect()
+    let mut counts = counts.into_iter();
+    match [counts.next(), counts.next()] {
+        [None, _] => Err(Error::content(&place, None, "it contains no share: make one with --shard")),
+        [Some(count), None] => Ok(count),
+        [Some(one), Some(other)] => {
+            let message = format!("it contains shares of {one} and of {other}: remove one kind");
+            Err(Error::content(&place, None, message))
+        }
     }
 }
 
@@ -177,20 +154,21 @@ impl Unready {
     }
 }
 
-/// A share of a study with its folder and record.
-pub(crate) type MadeShare = (Share, PathBuf, StudyShare);
+/// The folder of a share of a study, and its record.
+pub(crate) type MadeShare = (PathBuf, StudyShare);
 
-/// All shares of a study with their records and folders, if all are made; else which are not.
-pub(crate) fn made_shares(shares: &Shares) -> Result<Result<Vec<MadeShare>, Unready>, Error> {
-    let mut unready = Unready { missing: shares.missing(), ..Unready::default() };
+/// All shares of a study in a folder with their records and folders, if all are made; else which are not.
+pub(crate) fn made_shares(study: &Path) -> Result<Result<Vec<MadeShare>, Unready>, Error> {
+    let mut unready = Unready::default();
     let mut made: Vec<MadeShare> = Vec::new();
-    for (share, folder) in shares.begun() {
-        // One that was killed at once has none yet.
-        if !StudyShare::is_in(folder) {
+    for share in Share::all(count_of_shares(study)?) {
+        let folder = share_folder(study, share);
+        // One that was killed at once has no record yet.
+        if !StudyShare::is_in(&folder) {
             unready.missing.push(share);
             continue;
         }
-        let record = StudyShare::read(folder)?;
+        let record = StudyShare::read(&folder)?;
         let unfit = |why: String| Err(Error::unfit(&folder.join(STUDY_SHARE_FILE), why));
         if record.share != share.to_string() {
             return unfit(format!(
@@ -199,7 +177,7 @@ pub(crate) fn made_shares(shares: &Shares) -> Result<Result<Vec<MadeShare>, Unre
         }
         match made.first() {
             None => unready.command = record.command.clone(),
-            Some((_, other, first)) => {
+            Some((other, first)) => {
                 if let Some(difference) = first.difference(&record) {
                     return unfit(format!(
                         "it belongs to another study than {} ({difference}): make one of them again",
@@ -208,10 +186,10 @@ pub(crate) fn made_shares(shares: &Shares) -> Result<Result<Vec<MadeShare>, Unre
                 }
             }
         }
-        if !record.missing(folder).is_empty() {
+        if !record.missing(&folder).is_empty() {
             unready.unfinished.push(share);
         }
-        made.push((share, folder.to_path_buf(), record));
+        made.push((folder, record));
     }
     Ok(if unready.all().is_empty() { Ok(made) } else { Err(unready) })
 }
@@ -231,8 +209,8 @@ impl Findings {
     /// # Errors
     /// If there is no share, a file cannot be read, or holds no trial.
     pub(crate) fn of_shares(shares: &[MadeShare]) -> Result<Findings, Error> {
-        let (.., first) = shares.first().ok_or_else(|| Error::usage("it contains no share of the study"))?;
-        let files = |(_, folder, share): &MadeShare| {
+        let (_, first) = shares.first().ok_or_else(|| Error::usage("it contains no share of the study"))?;
+        let files = |(folder, share): &MadeShare| {
             let file = |seed| (seed, trial_file(folder, seed));
             share.seeds().into_iter().map(file).collect::<Vec<_>>()
         };
@@ -260,16 +238,19 @@ mod tests {
     #[test]
     fn shares_are_found_where_they_are_made() {
         let place = tempfile::tempdir().unwrap();
-        let refused = |place: &Path| Shares::find(place).unwrap_err().to_string();
+        let refused = |place: &Path| count_of_shares(place).unwrap_err().to_string();
         assert!(refused(place.path()).contains("--shard"));
         for number in [3, 16, 1] {
-            fs::create_dir_all(Shares::folder(place.path(), Share::new(number, 16).unwrap())).unwrap();
+            fs::create_dir_all(share_folder(place.path(), Share::new(number, 16).unwrap())).unwrap();
         }
         fs::create_dir(place.path().join("shares/notes")).unwrap();
-        let shares = Shares::find(place.path()).unwrap();
-        let begun: Vec<String> = shares.begun().map(|(share, _)| share.to_string()).collect();
-        assert_eq!((shares.of, shares.missing().len()), (16, 13));
+        assert_eq!(count_of_shares(place.path()).unwrap(), 16);
+        let begun = |share: &Share| share_folder(place.path(), *share).is_dir();
+        let begun: Vec<String> = Share::all(16).filter(begun).map(|share| share.to_string()).collect();
         assert_eq!(begun, ["1/16", "3/16", "16/16"]);
+        // Without a record in its folder a share is still to be made.
+        let unready = made_shares(place.path()).unwrap().unwrap_err();
+        assert_eq!((unready.missing.len(), unready.unfinished.len()), (16, 0));
         assert!(place.path().join("shares/03-of-16").is_dir());
         fs::create_dir(place.path().join("shares/1-of-2")).unwrap();
         assert!(refused(place.path()).contains("of 2 and of 16"));

@@ -8,7 +8,7 @@ use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{FolderLock, STUDY_FILE};
 use crate::share::Share;
-use crate::study::{Findings, MadeShare, Shares, Unready, made_shares};
+use crate::study::{Findings, Unready, made_shares};
 use crate::view::text::shell_words;
 
 /// Merge the shares of a study.
@@ -33,33 +33,22 @@ pub struct MergeArguments {
 }
 
 pub fn run(args: &MergeArguments) -> Outcome {
-    match made_shares(&Shares::find(&args.folder)?)? {
-        Ok(made) if !args.missing => study(args, &made),
-        found => tell_unready(args, found.err()),
-    }
-}
-
-/// Tells which shares are not made, if any: as it was asked for, or as what keeps them from being put together.
-fn tell_unready(args: &MergeArguments, unready: Option<Unready>) -> Outcome {
-    let unready = unready.unwrap_or_default();
-    if !args.missing {
-        return Err(refusal(&args.folder, &unready));
-    }
-    let numbers: Vec<String> = unready.all().iter().map(|share| share.number().to_string()).collect();
-    say!("{}", numbers.join(","));
-    Ok(())
-}
-
-/// Puts a study together.
-fn study(args: &MergeArguments, made: &[MadeShare]) -> Outcome {
     let folder = &args.folder;
+    let found = made_shares(folder)?;
+    if args.missing {
+        let unready = found.err().unwrap_or_default().all();
+        let numbers: Vec<String> = unready.iter().map(|share| share.number().to_string()).collect();
+        say!("{}", numbers.join(","));
+        return Ok(());
+    }
+    let made = found.map_err(|unready| refusal(folder, &unready))?;
     if folder.join(STUDY_FILE).exists() {
         // One who was killed when all was done left nothing to do but this.
         drop(FolderLock::take(folder)?);
         tell!("{} is complete: nothing left to do", folder.display());
         return Ok(());
     }
-    let findings = Findings::of_shares(made)?;
+    let findings = Findings::of_shares(&made)?;
     let lock = new_folder(folder, Force::default(), "study", &FILES)?;
     save(&findings, &lock, args.json)
 }
@@ -67,9 +56,10 @@ fn study(args: &MergeArguments, made: &[MadeShare]) -> Outcome {
 /// What is to be done before shares can be put together.
 fn refusal(folder: &Path, unready: &Unready) -> Failure {
     let all = unready.all();
+    let listed = |shares: &[Share]| listed(&shares.iter().map(Share::to_string).collect::<Vec<_>>());
     let what = [("missing", &unready.missing), ("not finished", &unready.unfinished)];
     let what = what.into_iter().filter(|(_, shares)| !shares.is_empty());
-    let what: Vec<String> = what.map(|(how, shares)| format!("{how}: {}", named(shares))).collect();
+    let what: Vec<String> = what.map(|(how, shares)| format!("{how}: {}", listed(shares))).collect();
     let first = all.first().map_or(String::new(), |share| format!(" with --shard {share}"));
     let rest = if all.len() > 1 { ", and so on" } else { "" };
     let like = match shell_words(&unready.command) {
@@ -78,9 +68,4 @@ fn refusal(folder: &Path, unready: &Unready) -> Failure {
     };
     let what = what.join("; ");
     Failure::at(folder, format_args!("some shares are {what}: make them{first}{rest}{like}"))
-}
-
-/// Shares by their names, not all of very many.
-fn named(shares: &[Share]) -> String {
-    listed(&shares.iter().map(Share::to_string).collect::<Vec<_>>())
 }

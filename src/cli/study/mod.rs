@@ -11,15 +11,15 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::folders::{Force, first_free, new_folder, take_share};
+use super::folders::{Force, first_free, new_folder};
 use super::open::{MAX, ModelArguments, embodied, is_there};
 use super::{Failure, Outcome, output, progress};
 use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::named::plural;
-use crate::session::{FolderLock, STUDY_FILE};
+use crate::session::{FolderLock, SHARES_FOLDER, STUDY_FILE};
 use crate::share::Share;
-use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare};
+use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare, share_folder};
 use crate::view::table::Table;
 
 /// The measurements, in the study's folder.
@@ -131,7 +131,7 @@ impl RunArguments {
         let lock = self.folder(&share)?;
         let trials = lock.place().join(TRIALS_FOLDER);
         make(&run, &share, &trials)?;
-        save(&Findings::of_shares(&[(Share::WHOLE, trials.clone(), share)])?, &lock, self.json)?;
+        save(&Findings::of_shares(&[(trials.clone(), share)])?, &lock, self.json)?;
         Ok(fs::remove_dir_all(&trials).map_err(Error::unwritable(&trials))?)
     }
 
@@ -182,7 +182,11 @@ impl RunArguments {
 
     /// Makes the trials of a share that are missing.
     fn make_share(&self, run: &StudyRun, made: &StudyShare, share: Share, folder: &Path) -> Outcome {
-        let lock = take_share(folder, share)?;
+        if folder.join(STUDY_FILE).exists() && !folder.join(SHARES_FOLDER).exists() {
+            let what = format_args!("contains unsharded work ({STUDY_FILE}): give another folder with --out");
+            return Err(Failure(format!("{} {what}", folder.display())));
+        }
+        let lock = FolderLock::make(&share_folder(folder, share))?;
         let place = lock.folder();
         make(run, made, place)?;
         let count = made.seeds().len();

@@ -61,13 +61,11 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
     let mut actor = scene.among(scene.truth, vec![thing])?;
     let postures = beginnings(&mut actor, scene.truth, &mut rng);
     let Some(coming) = draw(&mut actor, aimed, &postures, &mut rng)? else { return Ok(Vec::new()) };
-    let row = |(schema, known)| {
+    scene.by_each_schema(|known| {
         let mut row = attempt(&mut actor, known, &coming)?;
-        row["schema"] = json!(schema);
         row["limb"] = json!(creature.aura_limbs()[aimed].name);
         Ok(row)
-    };
-    scene.schemas().into_iter().map(row).collect()
+    })
 }
 
 /// A thing of a random shape of 2 to 5 cm half size.

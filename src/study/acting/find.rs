@@ -41,12 +41,7 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
         }
     };
     let gone = rng.random_range(0..things.len());
-    let row = |(schema, known)| {
-        let mut row = search(scene.at_table(known, &things)?, &things, gone)?;
-        row["schema"] = json!(schema);
-        Ok(row)
-    };
-    scene.schemas().into_iter().map(row).collect()
+    scene.by_each_schema(|known| search(scene.at_table(known, &things)?, &things, gone))
 }
 
 /// Lets a creature count the things on its table, takes one of them away, and lets it count again.

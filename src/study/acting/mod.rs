@@ -96,9 +96,17 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Both schemas by which it acts, by name.
-    fn schemas(&self) -> [(&'static str, &Knowledge); 2] {
-        [("learned", self.learned), ("true", self.truth)]
+    /// A row of an attempt by each of both schemas.
+    fn by_each_schema(
+        &self,
+        mut attempt: impl FnMut(&Knowledge) -> Result<Row, Error>,
+    ) -> Result<Vec<Row>, Error> {
+        let row = |(name, known)| {
+            let mut row = attempt(known)?;
+            row["schema"] = json!(name);
+            Ok(row)
+        };
+        [("learned", self.learned), ("true", self.truth)].into_iter().map(row).collect()
     }
 
     /// The random numbers of the trial.

@@ -61,15 +61,10 @@ pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, Error> 
         }
     }
     let Some(put) = drawn else { return Ok(Vec::new()) };
-    let row = |(name, known)| {
-        let mut row = match feel(scene, known, &put)? {
-            Some((actor, felt)) => attempt(actor, &felt)?,
-            None => json!({"done": false, "first": false, "result": "not felt"}),
-        };
-        row["schema"] = json!(name);
-        Ok(row)
-    };
-    scene.schemas().into_iter().map(row).collect()
+    scene.by_each_schema(|known| match feel(scene, known, &put)? {
+        Some((actor, felt)) => attempt(actor, &felt),
+        None => Ok(json!({"done": false, "first": false, "result": "not felt"})),
+    })
 }
 
 /// Whether both hands of a creature at the table could be where a thing stands.

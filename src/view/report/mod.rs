@@ -8,19 +8,26 @@ pub mod calibration;
 mod curve;
 mod headline;
 mod reachable;
-mod session;
 mod tables;
 mod touch_matrix;
 
-use crate::evaluation::Evaluation;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::evaluation::{Evaluation, evaluate_claims};
 use crate::ground_truth::GroundTruth;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::RecordedTouch;
-use crate::session::{LearningRecord, LearningRow, Session, SpaceRecord};
+use crate::session::{
+    LearningRecord, LearningRow, SCHEMA_FILE, Session, SpaceRecord, read_learning_table,
+    read_schema_with_std, write_whole,
+};
 use crate::view::page;
 use crate::view::text::escape;
-pub use session::{REPORT_FILE, write_report};
 pub(crate) use tables::{bound_in_words, error_rows, limb_table, summaries};
+
+/// The report, in a session's folder.
+pub const REPORT_FILE: &str = "report.html";
 
 /// What the page does beside drawing the body.
 pub(super) const SCRIPT: &str = include_str!("report.js");
@@ -92,6 +99,41 @@ pub fn html(input: &ReportInput) -> String {
         body::figure_of(input, &headline::of(input)),
     );
     page(&format!("{name}, seed {seed}: a learned body schema"), "", &content, SCRIPT)
+}
+
+/// Writes the report of a session from what its folder holds, and returns what was learned, and the error measures if the truth is known. Of its
+/// touches those count that were learned from.
+///
+/// # Errors
+/// Where a file of it cannot be read, or the report not written.
+pub fn write_report(
+    folder: &Path,
+    session: &Session,
+    touches: &[RecordedTouch],
+    truth: Option<&GroundTruth>,
+) -> Result<(LearningRecord, Option<Evaluation>), Error> {
+    let agent = &session.agent;
+    let creature = agent.creature();
+    let (schema, std) = read_schema_with_std(&folder.join(SCHEMA_FILE), creature)?;
+    let record = LearningRecord::read(folder, creature)?;
+    let evaluation = truth.map(|truth| {
+        let evaluation = evaluate_claims(agent, truth, &schema, record.reliable_account());
+        Evaluation { bound_mm: record.bound, ..evaluation }
+    });
+    let report = html(&ReportInput {
+        session,
+        record: &record,
+        schema: &schema,
+        std: std.as_ref(),
+        truth,
+        evaluation: evaluation.as_ref(),
+        touches: &touches[..record.touches.min(touches.len())],
+        predictions: &read_learning_table(folder)?,
+        space: SpaceRecord::read(folder)?.as_ref(),
+    });
+    let path = folder.join(REPORT_FILE);
+    write_whole(&path, report.as_bytes()).map_err(Error::unwritable(&path))?;
+    Ok((record, evaluation))
 }
 
 /// Titles and contents as sections of a page.
