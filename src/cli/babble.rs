@@ -90,117 +90,104 @@ impl SessionArguments {
             ))
         })
     }
-}
-
-pub fn run(args: &BabbleArguments) -> Outcome {
-    let job = |asked: SessionArguments| Job::new(asked, args.asked.request.jobs, args.json, &args.live);
-    match &args.resume {
-        Some(folder) => {
-            let lock = written_session(folder)?;
-            let asked = SessionArguments::of_session(&Session::read(folder)?, folder)?;
-            job(asked)?.go_on(lock)
-        }
-        None => {
-            let job = job(args.asked.clone())?;
-            let lock = session_folder(args.out.as_deref(), job.embodied.creature().name(), args.force)?;
-            job.begin(lock)
-        }
-    }
-}
-
-/// A session that is asked for, with all that is made ready before the first touch.
-struct Job {
-    asked: SessionArguments,
-    embodied: Embodied,
-    setup: SessionSetup,
-    /// Where a page is to be served, if one is.
-    place: Option<Place>,
-    json: bool,
-}
-
-impl Job {
-    fn new(
-        mut asked: SessionArguments,
-        jobs: Option<u16>,
-        json: bool,
-        live: &LiveOptions,
-    ) -> Result<Job, Failure> {
-        is_there(&asked.model, "babble")?;
-        let embodied = embodied(asked.open.source(&asked.model, asked.joints.clone().unwrap_or_default()))?;
-        asked.request.jobs = jobs;
-        let setup = asked.request.setup(&embodied)?;
-        // Whether it can be watched is told before any folder is made.
-        Ok(Job { asked, embodied, setup, place: live.place()?, json })
-    }
 
     /// What is asked with all that is chosen by default and by what else is asked, as a session keeps it: versions to come may
     /// choose otherwise.
-    fn provenance(&self) -> Provenance {
-        let request = self.asked.request.with_choices(&self.setup);
-        let asked = serde_json::to_value(SessionArguments { request, ..self.asked.clone() });
+    fn provenance(&self, setup: &SessionSetup) -> Provenance {
+        let request = self.request.with_choices(setup);
+        let asked = serde_json::to_value(SessionArguments { request, ..self.clone() });
         // A session of files whose names are not in UTF-8 cannot be resumed.
         Provenance { command: output::command_line(), asked: asked.unwrap_or_default() }
     }
+}
 
-    /// Begins a session, and learns from its touches.
-    fn begin(mut self, lock: FolderLock) -> Outcome {
-        let place = self.place.take();
-        let session = BabblingSession::begin(&self.embodied, &self.setup, &lock, self.provenance())?;
-        self.complete(session, lock, place)
-    }
-
-    /// Does what is missing in a session's folder: touches, learning, the report.
-    fn go_on(mut self, lock: FolderLock) -> Outcome {
-        let (folder, page) = (lock.folder().to_path_buf(), self.place.take());
-        let place = folder.display();
-        let session = Session::read(&folder)?;
-        let session = BabblingSession::resume(&self.embodied, &self.setup, &lock, session)?;
-        let (made, all) = (session.made(), self.setup.babbling.touches);
-        if session.is_babbled() && folder.join(REPORT_FILE).exists() {
-            tell!("{place} is complete: nothing left to do");
-            if self.json {
-                output::json(&json!({"session": folder, "touches": made, "complete": true}))?;
+pub fn run(args: &BabbleArguments) -> Outcome {
+    let resumed = args.resume.as_ref().map(|folder| {
+        let lock = written_session(folder)?;
+        let session = Session::read(folder)?;
+        Ok::<_, Failure>((SessionArguments::of_session(&session, folder)?, lock, session))
+    });
+    let (mut asked, resumed) = match resumed.transpose()? {
+        Some((asked, lock, session)) => (asked, Some((lock, session))),
+        None => (args.asked.clone(), None),
+    };
+    is_there(&asked.model, "babble")?;
+    let embodied = embodied(asked.open.source(&asked.model, asked.joints.clone().unwrap_or_default()))?;
+    asked.request.jobs = args.asked.request.jobs;
+    let setup = asked.request.setup(&embodied)?;
+    // Whether it can be watched is told before any folder is made.
+    let page = args.live.place()?;
+    let (lock, session) = match resumed {
+        Some((lock, session)) => {
+            let session = BabblingSession::resume(&embodied, &setup, &lock, session)?;
+            if is_complete(&session, &lock, args.json, setup.babbling.touches)? {
+                return Ok(());
             }
-            return Ok(());
+            (lock, session)
         }
-        if session.zeros() > 0 {
-            let zeros = session.zeros();
-            tell!(
-                "{place}: its log ended in {zeros} zero bytes, as after a power failure; they were removed"
-            );
+        None => {
+            let lock = session_folder(args.out.as_deref(), embodied.creature().name(), args.force)?;
+            let session = BabblingSession::begin(&embodied, &setup, &lock, asked.provenance(&setup))?;
+            (lock, session)
         }
-        match session.is_babbled() {
-            true => tell!("{place}: all {made} touches are present; learning from them"),
-            false => tell!("{place}: resuming after touch {made} of {all}"),
-        }
-        self.complete(session, lock, page)
-    }
+    };
+    complete(session, lock, (&embodied, &setup), page, args.json)
+}
 
-    /// Makes touches while somebody may look on, learns from all of them, and prints the result.
-    fn complete(&self, session: BabblingSession, lock: FolderLock, page: Option<Place>) -> Outcome {
-        let (touches, made) = (self.setup.babbling.touches, session.made());
-        let page = page.map(|place| {
-            let view = BabblingView::new(self.embodied.agent(), self.embodied.truth(), touches, made);
-            let view = Arc::new(view);
-            Ok::<_, Failure>((serve(place, view.clone())?, view))
-        });
-        let page = page.transpose()?;
-        let bars = Bars::default();
-        let pages = page.iter().map(|(_, view)| &**view as &dyn Observer);
-        let observers: Vec<&dyn Observer> = std::iter::once(&bars as &dyn Observer).chain(pages).collect();
-        let babbled = session.babble(&observers)?;
-        let truth = Some(self.embodied.truth());
-        if let Some(limit) = babbled.session.effort.and_then(|effort| effort.ended_by) {
-            tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
+/// Says how far a resumed session of so many touches has come, and whether nothing is left to do in its folder.
+fn is_complete(
+    session: &BabblingSession,
+    lock: &FolderLock,
+    as_json: bool,
+    all: usize,
+) -> Result<bool, Failure> {
+    let (folder, made, zeros) = (lock.folder(), session.made(), session.zeros());
+    let place = folder.display();
+    if session.is_babbled() && folder.join(REPORT_FILE).exists() {
+        tell!("{place} is complete: nothing left to do");
+        if as_json {
+            output::json(&json!({"session": folder, "touches": made, "complete": true}))?;
         }
-        let result = learn_and_print(&lock, &babbled, &self.setup.learning, truth, &observers, self.json)?;
-        // Who goes on looking keeps nobody from the folder.
-        let report = lock.place().join(REPORT_FILE);
-        drop(lock);
-        if let Some((server, view)) = page {
-            view.done(&result.record.verdict, &result.learned.schema, report);
-            rest(&server);
-        }
-        Ok(())
+        return Ok(true);
     }
+    if zeros > 0 {
+        tell!("{place}: its log ended in {zeros} zero bytes, as after a power failure; they were removed");
+    }
+    match session.is_babbled() {
+        true => tell!("{place}: all {made} touches are present; learning from them"),
+        false => tell!("{place}: resuming after touch {made} of {all}"),
+    }
+    Ok(false)
+}
+
+/// Makes touches while somebody may look on, learns from all of them, and prints the result.
+fn complete(
+    session: BabblingSession,
+    lock: FolderLock,
+    (embodied, setup): (&Embodied, &SessionSetup),
+    page: Option<Place>,
+    as_json: bool,
+) -> Outcome {
+    let (agent, truth) = (embodied.agent(), embodied.truth());
+    let page = page.map(|place| {
+        let view = Arc::new(BabblingView::new(agent, truth, setup.babbling.touches, session.made()));
+        Ok::<_, Failure>((serve(place, view.clone())?, view))
+    });
+    let page = page.transpose()?;
+    let bars = Bars::default();
+    let pages = page.iter().map(|(_, view)| &**view as &dyn Observer);
+    let observers: Vec<&dyn Observer> = std::iter::once(&bars as &dyn Observer).chain(pages).collect();
+    let babbled = session.babble(&observers)?;
+    if let Some(limit) = babbled.session.effort.and_then(|effort| effort.ended_by) {
+        tell!("babbling ended {limit}, after {} touches", babbled.touches.len());
+    }
+    let result = learn_and_print(&lock, &babbled, &setup.learning, Some(truth), &observers, as_json)?;
+    // Who goes on looking keeps nobody from the folder.
+    let report = lock.place().join(REPORT_FILE);
+    drop(lock);
+    if let Some((server, view)) = page {
+        view.done(&result.record.verdict, &result.learned.schema, report);
+        rest(&server);
+    }
+    Ok(())
 }

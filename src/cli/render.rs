@@ -1,18 +1,27 @@
 //! `bodyschema render`: pictures and films, by MuJoCo's own renderer.
 
-mod session;
-
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::open::{ModelArguments, rehearse};
+use super::learned::read_log;
+use super::open::{ModelArguments, rehearse, session_body};
 use super::progress::Bars;
 use super::{Failure, Outcome, output, progress};
+use crate::agent::Agent;
 use crate::creature::{Body, Creature, JointSelection, Posture};
 use crate::error::Error;
-use crate::mujoco::{Camera, Image, PICTURE_SIDES, Renderer};
-use crate::session::{MadeFolders, ModelSource, SESSION_FILE, folder_of, model_hash};
-use crate::view::picture::{Direction, Drawing, Film, Shot, is_film, png};
+use crate::export::to_mjcf;
+use crate::mujoco::{Camera, Image, Model, PICTURE_SIDES, Renderer};
+use crate::schema::BodySchema;
+use crate::senses::RecordedTouch;
+use crate::session::{
+    Checkpoint, LearningRecord, MadeFolders, ModelSource, ReadLock, SCHEMA_FILE, SESSION_FILE, Session,
+    TOUCHES_FILE, folder_of, model_hash, read_schema, same_tree,
+};
+use crate::view::picture::{Direction, Drawing, Film, SessionDrawing, Shot, is_film, png};
+
+/// Touches of a film that says nothing of them.
+const TOUCHES: [usize; 2] = [1, 8];
 
 /// Draw a model in a posture, or a session, as a picture or a film.
 ///
@@ -50,7 +59,7 @@ pub struct RenderArguments {
     #[arg(long, help_heading = "What is drawn")]
     schema: bool,
     /// For a session: film these touches, counted from 1 [default: 1..8]
-    #[arg(long, value_name = "N..M", value_parser = session::touch_range,
+    #[arg(long, value_name = "N..M", value_parser = touch_range,
         conflicts_with_all = ["posture", "touch", "learning"], help_heading = "What is drawn")]
     touches: Option<[usize; 2]>,
     /// For a session: film the learned body from the initial guess on
@@ -89,6 +98,12 @@ fn size(text: &str) -> Result<[usize; 2], String> {
     })
 }
 
+/// A range of touches from the command line.
+fn touch_range(text: &str) -> Result<[usize; 2], String> {
+    let ends = text.split_once("..").and_then(|(from, to)| Some([from.parse().ok()?, to.parse().ok()?]));
+    ends.filter(|[from, to]| 1 <= *from && from <= to).ok_or_else(|| "give two numbers, as in 1..8".into())
+}
+
 fn frames_per_second(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number| (1.0..=240.0).contains(number));
     number.ok_or_else(|| "give a number from 1 to 240".into())
@@ -114,11 +129,8 @@ pub fn run(args: &RenderArguments) -> Outcome {
         return Err(Failure::at(&args.out, format_args!("{option} makes a {what}: {fix}")));
     }
     let spinner = progress::spinner("getting ready");
-    let drawing = if args.what.join(SESSION_FILE).exists() {
-        session::drawing(args, film)?
-    } else {
-        model(args, film)?
-    };
+    let drawing =
+        if args.what.join(SESSION_FILE).exists() { session(args, film)? } else { model(args, film)? };
     let [width, height] = args.size;
     let renderer = |smooth| {
         let made = Renderer::new(&drawing.model, width, height, smooth);
@@ -195,6 +207,85 @@ pub fn model_drawing(source: &ModelSource, words: Option<&str>) -> Result<Drawin
     };
     let shots = vec![Shot { qpos, ..Shot::default() }];
     Ok(Drawing { model, body, alone: false, shots, shaded: false })
+}
+
+/// What is drawn of a session.
+fn session(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
+    let _reading = ReadLock::take(&args.what)?;
+    let session = Session::read(&args.what)?;
+    if args.options.root.is_some() {
+        return Err(Failure::at(&args.what, "a session already determines the creature: leave out --root"));
+    }
+    let (agent, creature) = (&session.agent, session.agent.creature());
+    let read_schema = || read_schema(&args.what.join(SCHEMA_FILE), creature);
+    let body = if session.model.is_empty() && args.model.is_none() {
+        // A recording has no true body: the learned one is all there is to see.
+        if agent.skin().surfaces.is_empty() {
+            return Err(Failure::at(
+                &args.what,
+                "the shapes of its limbs are unknown: give a model with --model, or surfaces in the creature's skin",
+            ));
+        }
+        learned(&session, &read_schema()?, &args.what)?
+    } else {
+        session_body(&session, args.model.as_deref(), true)?
+    };
+    let schema = if args.schema { Some(read_schema()?) } else { None };
+    let drawn = SessionDrawing::new(agent, &body, schema, args.frames_per_second)?;
+    let shots = match (film, args.learning, args.touch) {
+        (true, true, _) => drawn.learning(&checkpoints(args, creature)?),
+        (true, false, _) => {
+            let (first, touches) = touches(args, agent, args.touches)?;
+            drawn.touches(first, &touches)?
+        }
+        (false, _, Some(number)) => {
+            let (_, touches) = touches(args, agent, Some([number; 2]))?;
+            vec![drawn.touch(number, &touches[0])?]
+        }
+        (false, _, None) => vec![drawn.posture(&posture(args.posture.as_deref(), creature)?)],
+    };
+    let shaded = args.schema || film && args.learning;
+    Ok(Drawing { model: body.declared.clone(), body: Some(body), alone: true, shots, shaded })
+}
+
+/// Touches of a session by their numbers, which count from 1, or some of the first; and the number of the first of them.
+fn touches(
+    args: &RenderArguments,
+    agent: &Agent,
+    numbers: Option<[usize; 2]>,
+) -> Result<(usize, Vec<RecordedTouch>), Failure> {
+    let log = read_log(&args.what, agent)?;
+    let [first, last] = numbers.unwrap_or([TOUCHES[0], TOUCHES[1].min(log.len().max(1))]);
+    let chosen = first.checked_sub(1).and_then(|before| log.get(before..last));
+    chosen.map(|touches| (first, touches.to_vec())).ok_or_else(|| {
+        let fix = match log.len() {
+            0 => "babble first".into(),
+            count => format!("give one from 1 to {count}"),
+        };
+        Failure::at(&args.what.join(TOUCHES_FILE), format_args!("it has no touch {last}: {fix}"))
+    })
+}
+
+/// What learning went through.
+fn checkpoints(args: &RenderArguments, creature: &Creature) -> Result<Vec<Checkpoint>, Failure> {
+    let record = LearningRecord::read(&args.what, creature)?;
+    Some(record.checkpoints).filter(|all| all.len() > 1).ok_or_else(|| {
+        let again = format!("learn again with `bodyschema learn {}`", args.what.display());
+        Failure::at(&args.what, format_args!("it has no checkpoints of learning: {again}"))
+    })
+}
+
+/// The body of a session without a model, as it was learned.
+fn learned(session: &Session, schema: &BodySchema, folder: &Path) -> Result<Body, Failure> {
+    let model = Arc::new(Model::from_xml(&to_mjcf(&session.agent, schema))?);
+    let body = ModelSource::new(folder).with_joints(JointSelection::All).body_in(model)?;
+    if same_tree(&body.creature, session.agent.creature()) {
+        return Ok(body);
+    }
+    Err(Failure::at(
+        folder,
+        "its learned body cannot be drawn without a model: give the creature's with --model",
+    ))
 }
 
 /// The camera of --camera, or one that holds all that is shown.

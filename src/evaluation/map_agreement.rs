@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::skin::{Skin, SomatotopicMap};
+use crate::skin::SomatotopicMap;
 
 /// Pairs of neighbours in both maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,32 +21,8 @@ impl MapAgreement {
         MapAgreement::of_pairs(learned, geometric, |_| true)
     }
 
-    /// Compares maps of one skin: per limb, the pairs on it.
-    pub fn by_limb(
-        learned: &SomatotopicMap,
-        geometric: &SomatotopicMap,
-        skin: &Skin,
-        limbs: usize,
-    ) -> Vec<MapAgreement> {
-        let on = |limb: usize| move |pair: [usize; 2]| pair.map(|r| skin.receptors[r].limb) == [limb; 2];
-        (0..limbs).map(|limb| MapAgreement::of_pairs(learned, geometric, on(limb))).collect()
-    }
-
-    /// Compares maps of one skin: the pairs of receptors on one limb each, all limbs together, and those of receptors on
-    /// two limbs.
-    pub fn within_and_across(
-        learned: &SomatotopicMap,
-        geometric: &SomatotopicMap,
-        skin: &Skin,
-    ) -> [MapAgreement; 2] {
-        [false, true].map(|across| {
-            MapAgreement::of_pairs(learned, geometric, |[a, b]| {
-                (skin.receptors[a].limb != skin.receptors[b].limb) == across
-            })
-        })
-    }
-
-    fn of_pairs(
+    /// Compares maps of one skin: the pairs of receptors that count.
+    pub fn of_pairs(
         learned: &SomatotopicMap,
         geometric: &SomatotopicMap,
         counts: impl Fn([usize; 2]) -> bool,

@@ -125,29 +125,6 @@ const NEGLIGIBLE_MM: f64 = 0.1;
 /// A claim is not wrong by fewer of its own standard deviations: one in two million by chance.
 const DEVIATIONS: f64 = 5.0;
 
-/// Why there is nothing to be measured, and the work until then.
-#[derive(Clone)]
-struct Failed {
-    outcome: &'static str,
-    reason: String,
-    work: Tally,
-}
-
-impl From<Error> for Failed {
-    fn from(error: Error) -> Failed {
-        let outcome = if error.is_no_contact() { "touched nothing" } else { "refused" };
-        Failed { outcome, reason: error.to_string(), work: Tally::default() }
-    }
-}
-
-impl Failed {
-    fn row(self) -> Row {
-        let Failed { outcome, reason, work } = self;
-        json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
-               "whole": false, "pairs": 0, "determined": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0})
-    }
-}
-
 /// A body that babbled.
 struct Babbled {
     policy: PolicyName,
@@ -174,7 +151,7 @@ fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
             let way = if by_default { &LM } else { way };
             learn(own, at_random.as_ref().map_err(Clone::clone)?, way, &body, trial)
         });
-        let mut row = found.unwrap_or_else(Failed::row);
+        let mut row = found.unwrap_or_else(|failed| failed);
         let options = embodied.as_ref().map(|own| way.options(own.agent())).unwrap_or_default();
         describe(&mut row, way.name, &body, &options);
         row
@@ -210,15 +187,21 @@ fn describe(row: &mut Row, way: &str, body: &GeneratedBody, options: &str) {
     ));
 }
 
-/// What something comes to; a panic in it, which is a defect, is a finding and ends no study.
-fn survived<T>(run: impl FnOnce() -> Result<T, Error>) -> Result<T, Failed> {
+/// What something comes to, or the row of why there is nothing to be measured; a panic in it, which is a defect, is a finding and
+/// ends no study.
+fn survived<T>(run: impl FnOnce() -> Result<T, Error>) -> Result<T, Row> {
     let (found, work) = apart(|| catch_unwind(AssertUnwindSafe(run)));
-    let found = found.map(|found| found.map_err(Failed::from)).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let reason = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message").into();
-        Err(Failed { outcome: "panicked", reason, work: Tally::default() })
-    });
-    found.map_err(|failed| Failed { work, ..failed })
+    let (outcome, reason) = match found {
+        Ok(Ok(found)) => return Ok(found),
+        Ok(Err(error)) if error.is_no_contact() => ("touched nothing", error.to_string()),
+        Ok(Err(error)) => ("refused", error.to_string()),
+        Err(panic) => {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            ("panicked", text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message").into())
+        }
+    };
+    Err(json!({"outcome": outcome, "reason": reason, "work_s": work.seconds(), "touches": 0, "right": 0.0,
+               "whole": false, "pairs": 0, "determined": 0, "claims": 0, "wrong": 0, "late": false, "joints": 0, "joints_named": 0}))
 }
 
 /// The body with its skin; what has no touch sensors gets them in memory.
@@ -243,7 +226,7 @@ fn learn(
     way: &Way,
     body: &GeneratedBody,
     trial: &Trial,
-) -> Result<Row, Failed> {
+) -> Result<Row, Row> {
     survived(|| {
         // Ways share touches, and each has the work that these leave.
         let by = Deadline::after_work_of(LEARNING_SHARE * trial.seconds);
@@ -283,7 +266,7 @@ pub fn by_default(source: &ModelSource, input: Input, seed: u64) -> Row {
         row["touches"] = json!(body.touches().len());
         Ok(row)
     });
-    found.unwrap_or_else(Failed::row)
+    found.unwrap_or_else(|failed| failed)
 }
 
 /// How many pairs of limbs with skin touches locate in each other's frames by an account of them at the true schema.

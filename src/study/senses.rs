@@ -18,7 +18,7 @@ pub(super) const STUDY: Study = Study {
     of: Studied::Touched,
     touches: None,
     seconds: None,
-    cases: || Doing::ALL.map(|doing| doing.name().to_string()).into(),
+    cases: || CASES.map(|(name, _)| name.to_string()).into(),
     columns: columns! {
         done: Case, seed, limb, last_limb, force_n, reported, reported_limb, reported_last_limb, tap: Sum,
         press: Sum, stroke: Sum, rub: Sum, nothing: Sum, kind_right: Share, limbs_right: Share,
@@ -37,66 +37,41 @@ const PATIENCE: f64 = 1.0;
 /// What touches.
 const PROBE: &str = "probe";
 
-/// What is done in a trial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Doing {
-    /// One touch of a kind, on one limb.
-    One(TouchKind),
-    /// A stroke over so many joints.
-    Across(usize),
-    /// A stroke on one limb that is followed by a map with every other link missing.
-    Unlinked,
-}
+/// The case of a sensor whose map has every other link missing.
+const UNLINKED: &str = "stroke, half the map missing";
 
-impl Doing {
-    const ALL: [Doing; 7] = [
-        Doing::One(TouchKind::Tap),
-        Doing::One(TouchKind::Press),
-        Doing::One(TouchKind::Stroke),
-        Doing::One(TouchKind::Rub),
-        Doing::Across(1),
-        Doing::Across(2),
-        Doing::Unlinked,
-    ];
+/// What a probe does that sets out at a time, seconds. `None` if there is no room for it.
+type Drawn = fn(&Strokes, f64, &mut ChaCha8Rng) -> Option<Stimulation>;
 
-    fn name(self) -> &'static str {
-        match self {
-            Doing::One(kind) => kind.name(),
-            Doing::Across(1) => "stroke across a joint",
-            Doing::Across(_) => "stroke across two joints",
-            Doing::Unlinked => "stroke, half the map missing",
-        }
-    }
-
-    /// What a probe does, setting out now. `None` if there is no room for it.
-    fn draw(self, stage: &Stage, rng: &mut ChaCha8Rng) -> Option<Stimulation> {
-        let (strokes, time) = (Strokes::new(stage), stage.time());
-        match self {
-            Doing::One(kind) => strokes.random(kind, time, rng),
-            Doing::Across(joints) => strokes.across(joints, time, rng),
-            Doing::Unlinked => strokes.random(TouchKind::Stroke, time, rng),
-        }
-    }
-}
+/// What is done in a trial, each with the name of its case.
+const CASES: [(&str, Drawn); 7] = [
+    ("tap", |strokes, time, rng| strokes.random(TouchKind::Tap, time, rng)),
+    ("press", |strokes, time, rng| strokes.random(TouchKind::Press, time, rng)),
+    ("stroke", |strokes, time, rng| strokes.random(TouchKind::Stroke, time, rng)),
+    ("rub", |strokes, time, rng| strokes.random(TouchKind::Rub, time, rng)),
+    ("stroke across a joint", |strokes, time, rng| strokes.across(1, time, rng)),
+    ("stroke across two joints", |strokes, time, rng| strokes.across(2, time, rng)),
+    (UNLINKED, |strokes, time, rng| strokes.random(TouchKind::Stroke, time, rng)),
+];
 
 fn run(trial: &Trial) -> Result<Vec<Row>, Error> {
     let subject = trial.subject()?;
     let stage = subject.stage(&JointSelection::All, &[PROBE], Vec::new())?;
     let map = stage.sense(|sensor: &mut TouchSensor| sensor.map().clone());
     let mut rows = Vec::new();
-    for (stream, doing) in Doing::ALL.into_iter().enumerate().filter(|(_, doing)| trial.asks(doing.name())) {
+    for (stream, (name, draw)) in CASES.into_iter().enumerate().filter(|(_, (name, _))| trial.asks(name)) {
         let mut rng = ChaCha8Rng::seed_from_u64(trial.seed);
         rng.set_stream(stream as u64);
-        let followed = match doing {
-            Doing::Unlinked => SomatotopicMap::of_links(map.receptors(), map.pairs().step_by(2)),
+        let followed = match name {
+            UNLINKED => SomatotopicMap::of_links(map.receptors(), map.pairs().step_by(2)),
             _ => map.clone(),
         };
         stage.sense(|sensor| *sensor = TouchSensor::new(followed, stage.skin()));
-        let mut row = match doing.draw(&stage, &mut rng) {
+        let mut row = match draw(&Strokes::new(&stage), stage.time(), &mut rng) {
             Some(done) => compared(&stage, &done)?,
             None => json!({"reported": "no room"}),
         };
-        row["done"] = json!(doing.name());
+        row["done"] = json!(name);
         rows.push(row);
     }
     Ok(rows)

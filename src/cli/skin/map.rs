@@ -52,9 +52,10 @@ pub fn run(args: &MapArguments) -> Outcome {
     let learned = learn_map(&limbs, &firings);
     let body = session_body(&session, None, false)?;
     let geometric = SomatotopicMap::at_ease(&body, agent.skin())?;
-    let [within, across] = MapAgreement::within_and_across(&learned.map, &geometric, agent.skin());
-    let by_limb = MapAgreement::by_limb(&learned.map, &geometric, agent.skin(), creature.limbs().len());
     let all = MapAgreement::of_all(&learned.map, &geometric);
+    let [within, across] = [false, true].map(|apart| {
+        MapAgreement::of_pairs(&learned.map, &geometric, |[a, b]| (limbs[a] != limbs[b]) == apart)
+    });
     spinner.finish_and_clear();
     if let Some(path) = &args.out {
         write_map(path, creature.name(), agent.skin(), &learned.map)?;
@@ -63,7 +64,8 @@ pub fn run(args: &MapArguments) -> Outcome {
         let on = || limbs.iter().zip(&learned.firings).filter(|(on, _)| **on == limb);
         let visited = on().filter(|(_, firings)| **firings > 0).count();
         let on = json!({ "limb": creature.limbs()[limb], "receptors": on().count(), "visited": visited });
-        output::joined(on, [json!(by_limb[limb])])
+        let is_on = |pair: [usize; 2]| pair.map(|receptor| limbs[receptor]) == [limb; 2];
+        output::joined(on, [json!(MapAgreement::of_pairs(&learned.map, &geometric, is_on))])
     };
     let felt = (0..creature.limbs().len()).filter(|limb| limbs.contains(limb));
     let mut found = json!({

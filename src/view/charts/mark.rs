@@ -46,9 +46,9 @@ pub enum ChartMark {
 }
 
 impl ChartMark {
-    /// A line that is whole.
-    pub fn line(points: Vec<[f64; 2]>) -> ChartMark {
-        ChartMark::Line { points, dashes: "", width: 2.0 }
+    /// A line of a width in pixels, dashed by so many pixels, drawn and not; empty for a whole one.
+    pub fn line(points: Vec<[f64; 2]>, dashes: &'static str, width: f64) -> ChartMark {
+        ChartMark::Line { points, dashes, width }
     }
 
     /// The places that it takes.

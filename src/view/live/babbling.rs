@@ -145,7 +145,7 @@ impl BabblingView {
     fn charts_of(made: &[[f64; 2]], missed: &[[f64; 2]]) -> [(&'static str, Chart, &'static str); 2] {
         let along = |points: &[[f64; 2]], k: usize| Scale::linear(0.0, points.iter().map(|p| p[k]));
         let chart = |says: &str, x, y, group| Chart::new(says, Panel::new(x, y, vec![group], [420.0, 170.0]));
-        let line = ChartGroup::new("", Ink::Blue, vec![ChartMark::line(made.to_vec())]);
+        let line = ChartGroup::new("", Ink::Blue, vec![ChartMark::line(made.to_vec(), "", 2.0)]);
         let (x, y) = (("seconds", along(made, 0)), ("touches", along(made, 1)));
         let dot = |p: &[f64; 2]| ChartMark::dot(*p, 2.0, format!("touch {:.0}: {} mm", p[0], number(p[1])));
         let dots = ChartGroup::new("", Ink::Grey, missed.iter().map(dot).collect());

@@ -94,8 +94,8 @@ pub struct ShowRequest {
 /// A server that runs until it is dropped.
 pub struct Server {
     address: SocketAddr,
-    quit: Option<oneshot::Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    /// What ends it, and the thread that ends then.
+    running: Option<(oneshot::Sender<()>, JoinHandle<()>)>,
 }
 
 #[derive(Clone)]
@@ -127,7 +127,7 @@ impl Server {
             });
         };
         let thread = std::thread::Builder::new().name("live".into()).spawn(work)?;
-        Ok(Server { address, quit: Some(quit), thread: Some(thread) })
+        Ok(Server { address, running: Some((quit, thread)) })
     }
 
     /// Where it listens.
@@ -139,10 +139,8 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         std::thread::sleep(LAST);
-        if let Some(quit) = self.quit.take() {
+        if let Some((quit, thread)) = self.running.take() {
             let _ = quit.send(());
-        }
-        if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
     }

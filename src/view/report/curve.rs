@@ -28,7 +28,6 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let predicted: Vec<[f64; 3]> = predicted.into_iter().step_by(every).collect();
     let mut groups = Vec::new();
     let mut group = |name: &str, ink, marks| groups.push(ChartGroup::new(name, ink, marks));
-    let line = |points, dashes, width| ChartMark::Line { points, dashes, width };
     if !predicted.is_empty() {
         let dots = predicted.iter().map(|[touch, gap, deviation]| {
             let [missed, by] = [gap, deviation].map(|millimetres| number(*millimetres));
@@ -36,7 +35,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
             ChartMark::dot([*touch, *gap], 1.8, says)
         });
         group("prediction error of each touch, before it was used", Ink::Grey, dots.collect());
-        let deviations = line(predicted.iter().map(|p| [p[0], p[2]]).collect(), "", 1.5);
+        let deviations = ChartMark::line(predicted.iter().map(|p| [p[0], p[2]]).collect(), "", 1.5);
         group("predicted deviation", Ink::Green, vec![deviations]);
     }
     if let (Some([_, error]), false) = (initial_guess.first(), errors.is_empty()) {
@@ -45,7 +44,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         let says = format!("random initial guess: {} mm", number(*error));
         let points = [first, last].map(|x| [x, *error]);
         let mut marks = points.map(|at| ChartMark::dot(at, 2.0, says.clone())).to_vec();
-        marks.push(line(points.to_vec(), "2 4", 1.5));
+        marks.push(ChartMark::line(points.to_vec(), "2 4", 1.5));
         group("error of a random initial guess", Ink::Blue, marks);
     }
     let curves = [
@@ -58,7 +57,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         let says =
             |p: &[f64; 2]| format!("{name} after {}: {} mm", plural(p[0] as usize, "touch"), number(p[1]));
         let mut marks: Vec<ChartMark> = points.iter().map(|p| ChartMark::dot(*p, radius, says(p))).collect();
-        marks.push(line(points.clone(), dashes, 2.2));
+        marks.push(ChartMark::line(points.clone(), dashes, 2.2));
         group(name, ink, marks);
     }
     if groups.is_empty() {

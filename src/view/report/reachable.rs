@@ -104,11 +104,7 @@ fn groups(slice: &SpaceSlice, voxel: f64, several: bool, named: bool) -> Vec<Cha
             ChartGroup::new(&name, *ink, marks.collect())
         })
         .collect();
-    let outlines = slice.outlines.iter().map(|points| ChartMark::Line {
-        points: points.clone(),
-        dashes: "",
-        width: 1.0,
-    });
+    let outlines = slice.outlines.iter().map(|points| ChartMark::line(points.clone(), "", 1.0));
     groups.push(ChartGroup::new("", Ink::Letters, outlines.collect()));
     groups
 }

@@ -75,11 +75,10 @@ fn box_marks(row: usize, name: &str, [least, low, middle, high, greatest]: [f64;
     let [a, b, c, d, e] = [middle, low, high, least, greatest].map(number);
     let says = format!("{name}: median {a} mm, middle half {b} to {c} mm, range {d} to {e} mm");
     let (from, to) = ([low, row - 0.32], [high, row + 0.32]);
-    let line = |points, width| ChartMark::Line { points, dashes: "", width };
     [
-        line(vec![[least, row], [greatest, row]], 1.0),
+        ChartMark::line(vec![[least, row], [greatest, row]], "", 1.0),
         ChartMark::Cell { from, to, opacity: 0.5, text: String::new(), says },
-        line(vec![[middle, row - 0.32], [middle, row + 0.32]], 2.2),
+        ChartMark::line(vec![[middle, row - 0.32], [middle, row + 0.32]], "", 2.2),
     ]
 }
 
