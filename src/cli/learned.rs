@@ -100,7 +100,7 @@ impl Printed<'_> {
             "changes": result.record.changes().collect::<Vec<_>>(),
             "session": self.folder,
         });
-        output::joined(how, [measures_json(result.evaluation.as_ref()), result.record.knowledge_json()])
+        output::joined([how, measures_json(result.evaluation.as_ref()), result.record.knowledge_json()])
     }
 
     /// The short table of what was learned.

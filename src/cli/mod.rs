@@ -169,7 +169,7 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(sentence)) => {
             let sentence = crate::error::shortened(sentence);
-            eprintln!("bodyschema: {}", output::Printable(format_args!("{sentence}")));
+            eprintln!("bodyschema: {}", output::printable(sentence));
             ExitCode::FAILURE
         }
     }

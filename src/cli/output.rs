@@ -1,6 +1,6 @@
 //! What commands print: results on standard output, messages on standard error, and nothing that a terminal obeys.
 
-use std::fmt::{self, Display};
+use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,10 +18,10 @@ use crate::view::tone::Tone;
 /// Prints a line to standard output. Where nobody reads on, as in `… | head`, the program ends in silence;
 /// where it cannot be written, as on a full disk, with a sentence.
 pub fn line(text: std::fmt::Arguments) {
-    print(format_args!("{}", Printable(text)));
+    print(&printable(text));
 }
 
-fn print(text: std::fmt::Arguments) {
+fn print(text: &str) {
     let Err(error) = writeln!(std::io::stdout().lock(), "{text}") else { return };
     if error.kind() == ErrorKind::BrokenPipe {
         std::process::exit(0);
@@ -32,13 +32,13 @@ fn print(text: std::fmt::Arguments) {
 
 /// Prints a verdict, in its colour where standard output is a terminal that wants colours.
 pub fn verdict(sentence: &str, tone: Tone) {
-    let safe = console::style(Printable(format_args!("{sentence}")).to_string()).bold();
+    let safe = console::style(printable(sentence)).bold();
     let coloured = match tone {
         Tone::Good => safe.green(),
         Tone::Partly => safe.yellow(),
         Tone::Bad => safe.red(),
     };
-    print(format_args!("{coloured}"));
+    print(&coloured.to_string());
 }
 
 /// Prints one JSON object; numbers that do not exist are null.
@@ -48,13 +48,12 @@ pub fn json(value: &Value) -> Outcome {
 }
 
 /// The members of JSON objects in one; what is no object adds nothing.
-pub fn joined(object: Value, with: impl IntoIterator<Item = Value>) -> Value {
-    let all = std::iter::once(object).chain(with);
-    Value::Object(
-        all.filter_map(|value| if let Value::Object(members) = value { Some(members) } else { None })
-            .flatten()
-            .collect(),
-    )
+pub fn joined(objects: impl IntoIterator<Item = Value>) -> Value {
+    let members = objects.into_iter().filter_map(|value| match value {
+        Value::Object(members) => Some(members),
+        _ => None,
+    });
+    Value::Object(members.flatten().collect())
 }
 
 /// The command line that this program was called with, word by word, the program by its name alone.
@@ -92,33 +91,22 @@ pub fn quiet() -> bool {
 pub fn message(text: std::fmt::Arguments) {
     if !quiet() {
         // A message that nobody can be told is no failure.
-        let _ = writeln!(std::io::stderr().lock(), "bodyschema: {}", Printable(text));
+        let _ = writeln!(std::io::stderr().lock(), "bodyschema: {}", printable(text));
     }
 }
 
 /// A text whose control characters are written out as `\\u001b`, as JSON has them; lines and tabs stay. Names in files could
 /// else move the cursor, colour or clear the screen, or turn the direction of writing.
-pub struct Printable<'a>(pub fmt::Arguments<'a>);
-
-impl Display for Printable<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Write::write_fmt(&mut Escaping(formatter), self.0)
-    }
-}
-
-struct Escaping<'a, 'b>(&'a mut fmt::Formatter<'b>);
-
-impl fmt::Write for Escaping<'_, '_> {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        for part in text.split_inclusive(obeyed) {
-            let mark = part.chars().next_back().filter(|mark| obeyed(*mark));
-            self.0.write_str(&part[..part.len() - mark.map_or(0, char::len_utf8)])?;
-            if let Some(mark) = mark {
-                fmt::Write::write_fmt(self.0, format_args!("\\u{:04x}", u32::from(mark)))?;
-            }
+pub fn printable(text: impl Display) -> String {
+    let text = text.to_string();
+    let mut safe = String::with_capacity(text.len());
+    for mark in text.chars() {
+        match obeyed(mark) {
+            true => safe += &format!("\\u{:04x}", u32::from(mark)),
+            false => safe.push(mark),
         }
-        Ok(())
     }
+    safe
 }
 
 /// Whether a terminal would do something on a character other than show it.
@@ -133,7 +121,7 @@ mod tests {
 
     #[test]
     fn control_characters_are_written_out_and_all_else_stays() {
-        let of = |text: &str| Printable(format_args!("{text}")).to_string();
+        let of = |text: &str| printable(text);
         assert_eq!(of("a\u{1b}[31mb\r\u{9b}\u{7f}"), "a\\u001b[31mb\\u000d\\u009b\\u007f");
         assert_eq!(of("left\u{202e}tfel\u{1b}\u{1b}"), "left\\u202etfel\\u001b\\u001b");
         let plain = "left hand: 3 °, ü\n\t– “x”";

@@ -52,10 +52,8 @@ pub fn run(args: &ReportArguments) -> Outcome {
     spinner.finish_and_clear();
     let found = Found { session: &session, touches, record: &record, evaluation, residual };
     if args.json {
-        return output::json(&output::joined(
-            found.to_json(args),
-            [measures_json(found.evaluation.as_ref()), record.knowledge_json()],
-        ));
+        let measures = measures_json(found.evaluation.as_ref());
+        return output::json(&output::joined([found.to_json(args), measures, record.knowledge_json()]));
     }
     found.print(args);
     Ok(())
@@ -95,7 +93,7 @@ impl Found<'_> {
                     "position_std_mm": observed.position_std(j).map(|metres| metres.map(|m| 1e3 * m)),
                     "axes_std_deg": joint.dof_indices().map(degrees).collect::<Vec<_>>(),
                 });
-                output::joined(counted, [certain])
+                output::joined([counted, certain])
             })
         };
         let bound = |metres: f64| Some(1e3 * metres).filter(|mm| mm.is_finite());
@@ -128,7 +126,7 @@ impl Found<'_> {
             "bounds_note": self.record.floor_note(),
             "unobservable": self.record.open_directions,
         });
-        output::joined(all, [determined])
+        output::joined([all, determined])
     }
 
     fn print(&self, args: &ReportArguments) {

@@ -65,7 +65,7 @@ pub fn run(args: &MapArguments) -> Outcome {
         let visited = on().filter(|(_, firings)| **firings > 0).count();
         let on = json!({ "limb": creature.limbs()[limb], "receptors": on().count(), "visited": visited });
         let is_on = |pair: [usize; 2]| pair.map(|receptor| limbs[receptor]) == [limb; 2];
-        output::joined(on, [json!(MapAgreement::of_pairs(&learned.map, &geometric, is_on))])
+        output::joined([on, json!(MapAgreement::of_pairs(&learned.map, &geometric, is_on))])
     };
     let felt = (0..creature.limbs().len()).filter(|limb| limbs.contains(limb));
     let mut found = json!({
@@ -79,7 +79,7 @@ pub fn run(args: &MapArguments) -> Outcome {
         "across_joints": agreement_json(&across),
         "limbs": felt.map(row).collect::<Vec<_>>(),
     });
-    found = output::joined(found, [agreement_json(&all)]);
+    found = output::joined([found, agreement_json(&all)]);
     if args.json {
         return output::json(&found);
     }
@@ -108,5 +108,5 @@ pub fn run(args: &MapArguments) -> Outcome {
 /// What is counted of pairs, and the shares.
 fn agreement_json(of: &MapAgreement) -> Value {
     let shares = json!({ "recall": of.recall(), "precision": of.precision(), "agreement": of.agreement() });
-    output::joined(json!(of), [shares])
+    output::joined([json!(of), shares])
 }

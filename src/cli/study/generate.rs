@@ -1,6 +1,6 @@
 //! `bodyschema study generate`: bodies that nobody designed, from seeds.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::json;
 
@@ -36,25 +36,17 @@ pub fn run(args: &GenerateArguments) -> Outcome {
         output::line(format_args!("{}", GeneratedBody::new(args.seed).mjcf.trim_end_matches('\n')));
         return Ok(());
     };
-    let Some(count) = args.count else {
-        let body = GeneratedBody::new(args.seed);
-        return write(&body, out, args.json);
-    };
-    let last = args.seed.checked_add(u64::from(count) - 1);
+    let last = args.seed.checked_add(u64::from(args.count.unwrap_or(1)) - 1);
     let last = last.ok_or("the last body's seed would be too large: give a smaller --seed")?;
     for seed in args.seed..=last {
         let body = GeneratedBody::new(seed);
-        write(&body, &out.join(format!("{}.xml", body.name())), args.json)?;
-    }
-    Ok(())
-}
-
-fn write(body: &GeneratedBody, path: &Path, json: bool) -> Outcome {
-    output::file(path, &body.mjcf)?;
-    if json {
-        output::line(format_args!("{}", json!({ "file": path, "seed": body.seed, "drawn": body.drawn })));
-    } else {
-        tell!("{}: {}", path.display(), body.drawn.in_words());
+        let path = args.count.map_or(out.clone(), |_| out.join(format!("{}.xml", body.name())));
+        output::file(&path, &body.mjcf)?;
+        if args.json {
+            output::line(format_args!("{}", json!({ "file": path, "seed": body.seed, "drawn": body.drawn })));
+        } else {
+            tell!("{}: {}", path.display(), body.drawn.in_words());
+        }
     }
     Ok(())
 }

@@ -103,31 +103,25 @@ pub fn run(args: &StudyArguments) -> Outcome {
         (Some(StudyCommand::Generate(args)), _) => generate::run(args),
         (Some(StudyCommand::Gallery(args)), _) => gallery::run(args),
         (Some(StudyCommand::Merge(args)), _) => merge::run(args),
-        (None, Some(study)) => in_threads(args.study.jobs, || args.study.run(study)),
+        (None, Some(study)) => match args.study.jobs.map(usize::from) {
+            None => args.study.run(study),
+            Some(jobs) => {
+                rayon::ThreadPoolBuilder::new().num_threads(jobs).build()?.install(|| args.study.run(study))
+            }
+        },
         (None, None) => Err("give a study; `bodyschema study --help` lists them".into()),
-    }
-}
-
-/// Runs something on so many threads.
-fn in_threads(jobs: Option<u16>, run: impl FnOnce() -> Outcome + Send) -> Outcome {
-    match jobs {
-        None => run(),
-        Some(jobs) => rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build()?.install(run),
     }
 }
 
 impl RunArguments {
     fn run(&self, study: &'static Study) -> Outcome {
         let run = self.prepared(study)?;
-        let made = |share: Share| StudyShare {
-            share: share.to_string(),
-            command: output::command_line(),
-            asked: run.asked().clone(),
-        };
-        if let (Some(share), Some(folder)) = (self.shard, &self.out) {
-            return self.make_share(&run, &made(share), share, folder);
+        let number = self.shard.unwrap_or(Share::WHOLE);
+        let (command, asked) = (output::command_line(), run.asked().clone());
+        let share = StudyShare { share: number.to_string(), command, asked };
+        if let (Some(_), Some(folder)) = (self.shard, &self.out) {
+            return self.make_share(&run, &share, number, folder);
         }
-        let share = made(Share::WHOLE);
         let lock = self.folder(&share)?;
         let trials = lock.place().join(TRIALS_FOLDER);
         make(&run, &share, &trials)?;
