@@ -1,15 +1,15 @@
 //! `bodyschema learn`: learn from a session's touches, or from a recording.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::folders::{Force, session_folder, written_session};
 use super::learned::{learn_and_print, read_log};
 use super::open::known_truth;
 use super::progress::Bars;
-use super::{Failure, Outcome, output};
+use super::{Outcome, output};
 use crate::given_number::count;
 use crate::learning::{Input, Learner, LimbFrames};
-use crate::session::{BabbledSession, FolderLock, LearningOptions, ReadLock, Session};
+use crate::session::{BabbledSession, LearningOptions, ReadLock, Session};
 
 /// Learn again from the touches of a session, or from a recording of a real body.
 ///
@@ -85,17 +85,38 @@ pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow ex
   ]}"#;
 
 pub fn run(args: &LearnArguments) -> Outcome {
-    let Learnable { lock, made, babbled, learning } = match (&args.session, &args.creature, &args.log) {
-        (Some(folder), ..) => args.session(folder)?,
-        (None, Some(creature), Some(log)) => args.recording(creature, log)?,
+    // What is learned from a session goes into its own folder, unless another is named.
+    let mut own = None;
+    let mut babbled = match (&args.session, &args.creature, &args.log) {
+        (Some(folder), ..) => {
+            own = args.out.is_none().then(|| written_session(folder)).transpose()?;
+            let _reading = ReadLock::take(folder)?;
+            let session = Session::read(folder)?;
+            let touches = read_log(folder, &session.agent)?;
+            BabbledSession { session, touches, grown: None }
+        }
+        (None, Some(creature), Some(log)) => BabbledSession::of_recording(
+            (creature, log),
+            args.touches.unwrap_or(usize::MAX),
+            args.seed,
+            &args.learning,
+            output::command_line(),
+            &Bars::default(),
+        )?,
         // The parser sees to it that there is one or the other.
         _ => return Err("give a session's folder, or --creature and --log".into()),
     };
+    let learning = args.learning.for_session(&babbled.session)?;
+    let is_new = own.is_none();
+    let new = || session_folder(args.out.as_deref(), babbled.session.agent.creature().name(), args.force);
+    let lock = own.map_or_else(new, Ok)?;
     let truth = known_truth(&babbled.session, args.model.as_deref())?;
-    let bars = Bars::default();
-    if let Some(made) = made {
-        made.write(lock.part()?)?;
+    if is_new {
+        babbled.write(lock.part()?)?;
     }
+    babbled.touches.truncate(args.touches.unwrap_or(usize::MAX));
+    babbled.session.seed = args.seed.unwrap_or(babbled.session.seed);
+    let bars = Bars::default();
     let result = learn_and_print(&lock, &babbled, &learning, truth.as_ref(), &bars, args.json)?;
     if !result.learned.verdict.converged() && are_of_limb_frames(&babbled, &learning) {
         tell!(
@@ -119,51 +140,4 @@ fn are_of_limb_frames(babbled: &BabbledSession, learning: &LearningOptions) -> b
     let mut learner = other.second_order(agent, babbled.session.seed);
     babbled.touches.iter().for_each(|touch| learner.touch(&touch.felt(other.input())));
     learner.learn_in(STARTS).verdict.converged()
-}
-
-/// A session with the touches to learn from, and how.
-struct Learnable {
-    /// Of the folder that what is learned goes to.
-    lock: FolderLock,
-    /// The session that is new in it; `None` if it is there.
-    made: Option<BabbledSession>,
-    babbled: BabbledSession,
-    learning: LearningOptions,
-}
-
-impl LearnArguments {
-    /// What is learned from a session's touches, in its own folder unless there is another.
-    fn session(&self, folder: &Path) -> Result<Learnable, Failure> {
-        let own = self.out.is_none().then(|| written_session(folder)).transpose()?;
-        let reading = ReadLock::take(folder)?;
-        let session = Session::read(folder)?;
-        let touches = read_log(folder, &session.agent)?;
-        drop(reading);
-        let learning = self.learning.for_session(&session)?;
-        let mut babbled = BabbledSession { session, touches, grown: None };
-        let made = own.is_none().then(|| babbled.clone());
-        let lock = own.map_or_else(|| self.new_folder(&babbled.session), Ok)?;
-        babbled.touches.truncate(self.touches.unwrap_or(usize::MAX));
-        babbled.session.seed = self.seed.unwrap_or(babbled.session.seed);
-        Ok(Learnable { lock, made, babbled, learning })
-    }
-
-    /// What is learned from a recording, of which a session is made.
-    fn recording(&self, creature: &Path, log: &Path) -> Result<Learnable, Failure> {
-        let recorded = BabbledSession::of_recording(
-            (creature, log),
-            self.touches.unwrap_or(usize::MAX),
-            self.seed,
-            &self.learning,
-            output::command_line(),
-            &Bars::default(),
-        )?;
-        let learning = self.learning.for_session(&recorded.session)?;
-        let lock = self.new_folder(&recorded.session)?;
-        Ok(Learnable { lock, made: Some(recorded.clone()), babbled: recorded, learning })
-    }
-
-    fn new_folder(&self, session: &Session) -> Result<FolderLock, Failure> {
-        session_folder(self.out.as_deref(), session.agent.creature().name(), self.force)
-    }
 }
