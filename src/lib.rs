@@ -116,8 +116,6 @@ pub mod senses;
 #[doc(hidden)]
 pub mod session;
 #[doc(hidden)]
-pub mod share;
-#[doc(hidden)]
 pub mod simulation;
 #[doc(hidden)]
 pub mod skin;

@@ -10,8 +10,6 @@ use crate::creature::{Creature, DofKind, Posture};
 use crate::geometry::Frame;
 use crate::ground_truth::GroundTruth;
 use crate::kinematics::{Chain, ChainSide, limb_frames};
-use crate::learning::Account;
-use crate::learning::observability::Observability;
 use crate::schema::BodySchema;
 use crate::senses::RecordedTouch;
 
@@ -110,76 +108,6 @@ pub fn held_out(
 ) -> Vec<f64> {
     let off = |point: &HeldOutPoint| point.land(creature, schema) - point.land(creature, &truth.schema);
     points.iter().map(|point| 1e3 * off(point).norm()).collect()
-}
-
-/// The held-out error beside the least that any unbiased learner could have made of the same touches.
-///
-/// The Cramér-Rao bound of a placed point's covariance is `J I⁻¹ Jᵀ`, with the Fisher information `I` of
-/// the touches in the noise that the model assumes and the point's derivative `J` by the parameters (Kay,
-/// Fundamentals of Statistical Signal Processing: Estimation Theory, 1993, section 3.8). Its trace bounds
-/// the mean *square* of the error: the two are compared as root mean squares, never with the mean error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CramerRaoBound {
-    /// Root of the mean over the points of the bound of the squared error, millimetres.
-    pub bound_rms: f64,
-    /// Root mean square of the errors at the same points, millimetres.
-    pub error_rms: f64,
-    /// The second over the first.
-    pub ratio: f64,
-    /// Points that both are taken over: those of limbs that are claimed to be placed against one another.
-    pub points: usize,
-    /// Whether the touches fit to numerical precision: they show no more noise than the least that the learner assumes,
-    /// the bound is one of that, and the error may be less.
-    #[serde(default)]
-    pub at_floor: bool,
-}
-
-impl CramerRaoBound {
-    /// Puts errors beside their bounds: `errors` are those at `points`, of which those count whose limbs the account
-    /// claims. `None` if it claims none.
-    pub fn new(
-        creature: &Creature,
-        schema: &BodySchema,
-        account: &Account,
-        observability: &Observability,
-        points: &[HeldOutPoint],
-        errors: &[f64],
-    ) -> Option<CramerRaoBound> {
-        let (claimed, deviations) = claimed_deviations(creature, schema, account, observability, points);
-        let errors: Vec<f64> = claimed.iter().map(|&point| errors[point]).collect();
-        let (bound_rms, error_rms) = (rms(&deviations)?, rms(&errors)?);
-        Some(CramerRaoBound {
-            bound_rms,
-            error_rms,
-            ratio: error_rms / bound_rms,
-            points: errors.len(),
-            at_floor: account.witnesses.at_floor,
-        })
-    }
-}
-
-/// The indices of the points whose limbs an account claims to be placed against one another, each with the standard deviation
-/// that the touches leave it, millimetres. A direction that no touch feels bounds nothing: points in such are left out.
-pub(super) fn claimed_deviations(
-    creature: &Creature,
-    schema: &BodySchema,
-    account: &Account,
-    observability: &Observability,
-    points: &[HeldOutPoint],
-) -> (Vec<usize>, Vec<f64>) {
-    let claimed =
-        points.iter().enumerate().filter(|(_, point)| account.claims(point.limbs[0], point.limbs[1]));
-    let deviation = |HeldOutPoint { posture, limbs, p_a }: &HeldOutPoint| {
-        1e3 * observability.point_deviation(creature, schema, posture, *limbs, p_a)
-    };
-    let deviations = claimed.map(|(index, point)| (index, deviation(point)));
-    deviations.filter(|(_, deviation)| deviation.is_finite()).unzip()
-}
-
-/// The root mean square of some numbers; `None` if there is none.
-pub(super) fn rms(values: &[f64]) -> Option<f64> {
-    let squares: f64 = values.iter().map(|value| value * value).sum();
-    (!values.is_empty()).then(|| (squares / values.len() as f64).sqrt())
 }
 
 /// How far one axis was learned wrong.

@@ -5,19 +5,17 @@
 //! limb lands relative to every other limb, in postures that were not babbled; the axes of determined
 //! joints; and the touches themselves.
 
+mod bound;
 mod map_agreement;
 mod measures;
-mod own_account;
-mod progress;
 
+pub use bound::{CramerRaoBound, OwnAccount, Progress};
 pub use map_agreement::MapAgreement;
 pub use measures::{
-    AxisErrors, CramerRaoBound, HELD_OUT_POSTURES, HeldOutPoint, Summary, axis_errors, held_out,
-    held_out_points, touch_misses, touches_across,
+    AxisErrors, HELD_OUT_POSTURES, HeldOutPoint, Summary, axis_errors, held_out, held_out_points,
+    touch_misses, touches_across,
 };
 
-pub use own_account::OwnAccount;
-pub use progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use crate::agent::Agent;

@@ -21,7 +21,7 @@ mod table;
 
 pub(crate) use bodies::by_default;
 pub use run::{Asked, Findings, StudyOptions, StudyRun, Trial};
-pub use shares::StudyShare;
+pub use shares::{Share, StudyShare};
 pub(crate) use shares::{Unready, made_shares, share_folder};
 pub use subject::Subject;
 pub(crate) use table::columns;

@@ -1,8 +1,10 @@
 //! The trials of a study as files in a folder, written by one or several interruptible processes.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::{fmt, fs};
 
 use rayon::prelude::*;
 use serde::de::DeserializeOwned;
@@ -13,10 +15,65 @@ use super::run::{MOST_TRIALS, TrialRecord};
 use super::{Asked, Findings, StudyOptions, StudyRun};
 use crate::error::Error;
 use crate::session::{SHARES_FOLDER, STUDY_SHARE_FILE, files};
-use crate::share::Share;
 
 /// Where trials are, in the folder of a share.
 const TRIALS_FOLDER: &str = "trials";
+
+/// The most shares that work is cut into.
+const MOST_SHARES: u64 = 100_000;
+
+/// What is wrong with a share's name.
+fn no_share() -> Error {
+    Error::usage(format!(
+        "give a share and their number, such as 3/16: from 1/16 to 16/16, at most {MOST_SHARES} shares"
+    ))
+}
+
+/// One of so many equal shares of work that comes in numbered pieces: every so-manieth piece, so that all shares take
+/// about as long, however much there is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Share {
+    /// How many there are.
+    pub(crate) of: u64,
+    /// Its number, from 1 on.
+    pub(crate) number: u64,
+}
+
+impl Share {
+    /// All of it.
+    pub const WHOLE: Share = Share { of: 1, number: 1 };
+
+    /// The share of a number, from 1 on; `None` if it is not one of so many.
+    pub fn new(number: u64, of: u64) -> Option<Share> {
+        ((1..=of).contains(&number) && of <= MOST_SHARES).then_some(Share { of, number })
+    }
+
+    /// All shares of work that is cut into so many.
+    pub fn all(of: u64) -> impl Iterator<Item = Share> {
+        (1..=of).map(move |number| Share { of, number })
+    }
+
+    /// Its own among numbered pieces of work.
+    pub fn own(self, pieces: Range<u64>) -> impl Iterator<Item = u64> {
+        pieces.skip(self.number as usize - 1).step_by(self.of as usize)
+    }
+}
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}
+
+impl FromStr for Share {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Share, Error> {
+        let (number, of) = text.split_once('/').ok_or_else(no_share)?;
+        let whole = |text: &str| text.parse::<u64>().map_err(|_| no_share());
+        Share::new(whole(number)?, whole(of)?).ok_or_else(no_share)
+    }
+}
 
 /// What a share of a study was asked for: the content of [`STUDY_SHARE_FILE`] in its folder. Beside it each trial has a file
 /// of its own, `trials/SEED.json`, which is written whole or not at all.
@@ -100,8 +157,8 @@ impl StudyShare {
 
 /// The folder of a share in that of its study: `shares/03-of-16`.
 pub(crate) fn share_folder(study: &Path, share: Share) -> PathBuf {
-    let width = share.of().to_string().len();
-    study.join(SHARES_FOLDER).join(format!("{:0width$}-of-{}", share.number(), share.of()))
+    let width = share.of.to_string().len();
+    study.join(SHARES_FOLDER).join(format!("{:0width$}-of-{}", share.number, share.of))
 }
 
 /// The number of shares into which the study in a folder is divided.
@@ -115,7 +172,7 @@ fn count_of_shares(study: &Path) -> Result<u64, Error> {
     for entry in fs::read_dir(&place).map_err(Error::unreadable(&place))? {
         let path = entry.map_err(Error::unreadable(&place))?.path();
         let share = path.file_name().and_then(|name| name.to_str()).and_then(named);
-        counts.extend(share.filter(|share| share_folder(study, *share) == path).map(Share::of));
+        counts.extend(share.filter(|share| share_folder(study, *share) == path).map(|share| share.of));
     }
     let mut counts = counts.into_iter();
     match [counts.next(), counts.next()] {
@@ -254,5 +311,39 @@ mod tests {
         assert!(place.path().join("shares/03-of-16").is_dir());
         fs::create_dir(place.path().join("shares/1-of-2")).unwrap();
         assert!(refused(place.path()).contains("of 2 and of 16"));
+    }
+
+    #[test]
+    fn shares_have_every_piece_once() {
+        for of in [1, 3, 16] {
+            for pieces in [0, 1, 7, 48, 100] {
+                let mut had: Vec<u64> = Vec::new();
+                for share in Share::all(of) {
+                    had.extend(share.own(0..pieces));
+                }
+                had.sort_unstable();
+                assert_eq!(had, (0..pieces).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
+    fn a_share_is_read_as_it_is_written_and_no_other_is() {
+        assert_eq!("3/16".parse::<Share>().unwrap().to_string(), "3/16");
+        for wrong in [
+            "",
+            "3",
+            "/",
+            "0/3",
+            "4/3",
+            "1/0",
+            "-1/3",
+            "1/3/5",
+            "1 / 3",
+            "1/100001",
+            "99999999999999999999/1",
+        ] {
+            assert!(wrong.parse::<Share>().is_err(), "{wrong}");
+        }
     }
 }

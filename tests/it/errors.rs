@@ -10,7 +10,7 @@ use bodyschema::babbling::PolicyName;
 use bodyschema::learning::{Input, SecondOrder};
 use bodyschema::mujoco::{Data, Model};
 use bodyschema::session::{FolderLock, Session, own_body, read_calibration_log, read_robot};
-use bodyschema::share::Share;
+use bodyschema::study::Share;
 
 use crate::common::{at_random, repository};
 

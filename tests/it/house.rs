@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 19] = [
     &["deadline", "error"],
     &["geometry", "named"],
     &["mujoco", "plausible"],
-    &["creature", "share"],
+    &["creature"],
     &["schema"],
     &["kinematics", "model_files"],
     &["skin"],

@@ -7,8 +7,7 @@ use crate::cli::folders::{Force, new_folder};
 use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{FolderLock, STUDY_FILE};
-use crate::share::Share;
-use crate::study::{Findings, Unready, made_shares};
+use crate::study::{Findings, Share, Unready, made_shares};
 use crate::view::text::shell_words;
 
 /// Merge the shares of a study.
@@ -37,7 +36,7 @@ pub fn run(args: &MergeArguments) -> Outcome {
     let found = made_shares(folder)?;
     if args.missing {
         let unready = found.err().unwrap_or_default().all();
-        let numbers: Vec<String> = unready.iter().map(|share| share.number().to_string()).collect();
+        let numbers: Vec<String> = unready.iter().map(|share| share.number.to_string()).collect();
         say!("{}", numbers.join(","));
         return Ok(());
     }

@@ -18,8 +18,9 @@ use crate::creature::JointSelection;
 use crate::error::Error;
 use crate::named::plural;
 use crate::session::{FolderLock, SHARES_FOLDER, STUDY_FILE};
-use crate::share::Share;
-use crate::study::{Findings, STUDIES, Studied, Study, StudyOptions, StudyRun, StudyShare, share_folder};
+use crate::study::{
+    Findings, STUDIES, Share, Studied, Study, StudyOptions, StudyRun, StudyShare, share_folder,
+};
 use crate::view::table::Table;
 
 /// The measurements, in the study's folder.
@@ -188,7 +189,7 @@ impl RunArguments {
             return output::json(&json!({"share": share.to_string(), "trials": count, "folder": place}));
         }
         say!("share {share}: {}, in {}", plural(count, "trial"), place.display());
-        say!("once all {} shares are made: `bodyschema study merge {}`", share.of(), folder.display());
+        say!("once all {} shares are made: `bodyschema study merge {}`", share.of, folder.display());
         Ok(())
     }
 }

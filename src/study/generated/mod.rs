@@ -14,7 +14,6 @@
 
 mod draw;
 mod families;
-mod hand;
 mod joints;
 mod limb;
 mod mjcf;

@@ -6,7 +6,6 @@
 
 mod mesh;
 mod pose;
-mod senses;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -18,16 +17,16 @@ use serde_json::{Map, Value, json};
 pub(super) use mesh::{BodyMesh, mesh_of_surfaces};
 use mesh::{Piece, Topology, mesh_of_appearance, mesh_of_receptors};
 pub(super) use pose::Pose;
-pub(super) use senses::{AURAS, MAP};
 
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
 use crate::creature::{Appearance, Creature};
 use crate::geometry::box_about;
+use crate::kinematics::limb_frames;
 use crate::learning::Account;
 use crate::named::in_words;
 use crate::schema::BodySchema;
-use crate::skin::Skin;
+use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, grow_aura};
 
 /// What draws bodies in a page.
 pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("body.js"));
@@ -38,6 +37,10 @@ const SHADE: &str = "#8a939c";
 /// What joints are called where they are switched on.
 const JOINTS: &str = "joints";
 const TRUE_JOINTS: &str = "true joints";
+/// What the auras and the map are called where they are switched on; both are hidden at first.
+pub(super) const AURAS: &str = "auras";
+pub(super) const MAP: &str = "neighbouring receptors";
+
 /// Most receptors whose neighbours are drawn.
 const MOST_NEIGHBOURS: usize = 3000;
 /// Numbers are told in so many parts of a metre, and of one.
@@ -144,6 +147,36 @@ fn skeleton(agent: &Agent, name: &str, poses: &str, look: Look, open: &[usize]) 
     })
 }
 
+/// The auras that a schema gives, but about limbs beyond joints that are not determined, the `open` ones: per aura its limb, both
+/// ends of its segment in that limb's frame, and its radius.
+fn auras(agent: &Agent, schema: &BodySchema, open: &[usize], poses: &str) -> Value {
+    let creature = agent.creature();
+    let mut unknown = vec![false; creature.limbs().len()];
+    for (j, joint) in creature.joints().iter().enumerate() {
+        unknown[j + 1] = unknown[joint.parent] || open.contains(&j);
+    }
+    let frames = limb_frames(creature, schema, &creature.reference_posture());
+    let capsule = |aura: ProximityGeometry| {
+        let limbs = &creature.aura_limbs()[aura.aura_limb].limbs;
+        let [a, b] = aura.capsule.ends.map(|end| point(&end));
+        let numbers = [&[aura.limb as i64][..], &a, &b, &[whole(aura.capsule.radius)]].concat();
+        limbs.iter().all(|&limb| !unknown[limb]).then_some(numbers)
+    };
+    let capsules: Vec<_> =
+        grow_aura(creature, agent.skin(), &frames).into_iter().filter_map(capsule).collect();
+    json!({ "name": AURAS, "poses": poses, "capsules": capsules })
+}
+
+/// The somatotopic map of an agent's skin on limbs placed by a schema: per receptor its limb and its middle in that limb's frame,
+/// and pairs of receptors.
+fn map(agent: &Agent, schema: &BodySchema, poses: &str) -> Value {
+    let (creature, skin) = (agent.creature(), agent.skin());
+    let frames = limb_frames(creature, schema, &creature.reference_posture());
+    let links: Vec<_> = SomatotopicMap::new(creature, skin, &frames).pairs().collect();
+    let points = skin.receptors.iter().map(|receptor| on_limb(receptor.limb, &receptor.position));
+    json!({ "name": MAP, "poses": poses, "points": points.collect::<Vec<_>>(), "links": links })
+}
+
 /// A step of a slider: the learned body after so many touches, what that is called, and how far off it is then, millimetres.
 pub(super) fn step(name: &str, touches: usize, millimetres: Option<f64>, pose: &Pose) -> Value {
     // As many digits as anybody reads of it.
@@ -193,7 +226,7 @@ impl BodyScene {
         let skin = agent.skin();
         let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
         let mut scene = BodyScene {
-            auras: vec![senses::auras(agent, schema, open, poses)],
+            auras: vec![auras(agent, schema, open, poses)],
             hidden: vec![JOINTS, TRUE_JOINTS, AURAS, MAP],
             limbs: limbs_by_name(agent.creature()),
             ..BodyScene::default()
@@ -202,7 +235,7 @@ impl BodyScene {
         scene.add_receptors(skin, poses, ids);
         scene.layers[1].lit_alone = true;
         if skin.receptors.len() <= MOST_NEIGHBOURS {
-            scene.maps.push(senses::map(agent, schema, poses));
+            scene.maps.push(map(agent, schema, poses));
         }
         scene
     }
