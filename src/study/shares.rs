@@ -194,21 +194,10 @@ fn named(name: &str) -> Option<Share> {
 /// Shares that have to be made before all can be put together.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Unready {
-    /// Those that were not begun, or of which nothing is left.
-    pub missing: Vec<Share>,
-    /// Those that were interrupted, or are being made.
-    pub unfinished: Vec<Share>,
+    /// These shares in their order, and whether each was begun: interrupted, or being made.
+    pub shares: Vec<(Share, bool)>,
     /// How one that was begun was asked for, word by word; empty if that was not kept.
     pub command: Vec<String>,
-}
-
-impl Unready {
-    /// All of them, in their order.
-    pub(crate) fn all(&self) -> Vec<Share> {
-        let mut all: Vec<Share> = self.missing.iter().chain(&self.unfinished).copied().collect();
-        all.sort_unstable();
-        all
-    }
 }
 
 /// The folder of a share of a study, and its record.
@@ -222,7 +211,7 @@ pub(crate) fn made_shares(study: &Path) -> Result<Result<Vec<MadeShare>, Unready
         let folder = share_folder(study, share);
         // One that was killed at once has no record yet.
         if !StudyShare::is_in(&folder) {
-            unready.missing.push(share);
+            unready.shares.push((share, false));
             continue;
         }
         let record = StudyShare::read(&folder)?;
@@ -244,11 +233,11 @@ pub(crate) fn made_shares(study: &Path) -> Result<Result<Vec<MadeShare>, Unready
             }
         }
         if !record.missing(&folder).is_empty() {
-            unready.unfinished.push(share);
+            unready.shares.push((share, true));
         }
         made.push((folder, record));
     }
-    Ok(if unready.all().is_empty() { Ok(made) } else { Err(unready) })
+    Ok(if unready.shares.is_empty() { Ok(made) } else { Err(unready) })
 }
 
 /// The first that differs of what two JSON objects say, in words; `None` if nothing does.
@@ -307,7 +296,8 @@ mod tests {
         assert_eq!(begun, ["1/16", "3/16", "16/16"]);
         // Without a record in its folder a share is still to be made.
         let unready = made_shares(place.path()).unwrap().unwrap_err();
-        assert_eq!((unready.missing.len(), unready.unfinished.len()), (16, 0));
+        assert_eq!(unready.shares.len(), 16);
+        assert!(unready.shares.iter().all(|(_, begun)| !begun));
         assert!(place.path().join("shares/03-of-16").is_dir());
         fs::create_dir(place.path().join("shares/1-of-2")).unwrap();
         assert!(refused(place.path()).contains("of 2 and of 16"));

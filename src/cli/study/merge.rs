@@ -7,7 +7,7 @@ use crate::cli::folders::{Force, new_folder};
 use crate::cli::{Failure, Outcome};
 use crate::named::listed;
 use crate::session::{FolderLock, STUDY_FILE};
-use crate::study::{Findings, Share, Unready, made_shares};
+use crate::study::{Findings, Unready, made_shares};
 use crate::view::text::shell_words;
 
 /// Merge the shares of a study.
@@ -35,8 +35,8 @@ pub fn run(args: &MergeArguments) -> Outcome {
     let folder = &args.folder;
     let found = made_shares(folder)?;
     if args.missing {
-        let unready = found.err().unwrap_or_default().all();
-        let numbers: Vec<String> = unready.iter().map(|share| share.number.to_string()).collect();
+        let unready = found.err().unwrap_or_default().shares;
+        let numbers: Vec<String> = unready.iter().map(|(share, _)| share.number.to_string()).collect();
         say!("{}", numbers.join(","));
         return Ok(());
     }
@@ -54,17 +54,18 @@ pub fn run(args: &MergeArguments) -> Outcome {
 
 /// What is to be done before shares can be put together.
 fn refusal(folder: &Path, unready: &Unready) -> Failure {
-    let all = unready.all();
-    let listed = |shares: &[Share]| listed(&shares.iter().map(Share::to_string).collect::<Vec<_>>());
-    let what = [("missing", &unready.missing), ("not finished", &unready.unfinished)];
-    let what = what.into_iter().filter(|(_, shares)| !shares.is_empty());
-    let what: Vec<String> = what.map(|(how, shares)| format!("{how}: {}", listed(shares))).collect();
-    let first = all.first().map_or(String::new(), |share| format!(" with --shard {share}"));
+    let all = &unready.shares;
+    let what = [("missing", false), ("not finished", true)].into_iter().filter_map(|(how, begun)| {
+        let shares = all.iter().filter(|share| share.1 == begun);
+        let shares: Vec<String> = shares.map(|(share, _)| share.to_string()).collect();
+        (!shares.is_empty()).then(|| format!("{how}: {}", listed(&shares)))
+    });
+    let what = what.collect::<Vec<_>>().join("; ");
+    let first = all.first().map_or(String::new(), |(share, _)| format!(" with --shard {share}"));
     let rest = if all.len() > 1 { ", and so on" } else { "" };
     let like = match shell_words(&unready.command) {
         command if command.is_empty() => String::new(),
         command => format!("; the others were made as in `{command}`"),
     };
-    let what = what.join("; ");
     Failure::at(folder, format_args!("some shares are {what}: make them{first}{rest}{like}"))
 }

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::{EDGE, OnStage, Row, Scene, on_table, shape};
 use crate::error::Error;
 use crate::geometry::Shape;
-use crate::interaction::Reply;
+use crate::interaction::{Conversation, Reply};
 use crate::peripersonal::ReachTarget;
 use crate::simulation::{ProbePath, Stage, Thing};
 
@@ -45,8 +45,8 @@ pub(super) fn run(scene: &Scene) -> Result<Vec<Row>, Error> {
 }
 
 /// Lets a creature count the things on its table, takes one of them away, and lets it count again.
-fn search(actor: OnStage, things: &[Thing], gone: usize) -> Result<Row, Error> {
-    let (stage, mut talk) = actor.in_conversation()?;
+fn search(OnStage { stage, actor }: OnStage, things: &[Thing], gone: usize) -> Result<Row, Error> {
+    let mut talk = Conversation::new(actor)?;
     let start = stage.time();
     let reply = talk.count(None)?;
     let seconds = stage.time() - start;

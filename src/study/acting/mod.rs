@@ -17,7 +17,7 @@ use super::subject::Knowledge;
 use super::{Row, Studied, Study, Subject, Trial, columns};
 use crate::error::{Error, Result};
 use crate::geometry::{Capsule, Frame, Shape};
-use crate::interaction::{Actor, Conversation};
+use crate::interaction::Actor;
 use crate::simulation::{Stage, Substance, Thing};
 
 pub(super) const STUDY: Study = Study {
@@ -151,11 +151,6 @@ struct OnStage {
 }
 
 impl OnStage {
-    /// The stage, and the creature as one that talks.
-    fn in_conversation(self) -> Result<(Stage, Conversation), Error> {
-        Ok((self.stage, Conversation::new(self.actor)?))
-    }
-
     /// Puts the creature into a posture at once.
     fn place(&mut self, posture: &[f64]) -> Result<()> {
         self.actor.was_placed();

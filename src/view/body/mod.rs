@@ -7,7 +7,7 @@
 mod mesh;
 mod pose;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use nalgebra::Vector3;
@@ -224,7 +224,6 @@ impl BodyScene {
         poses: &'static str,
     ) -> BodyScene {
         let skin = agent.skin();
-        let ids = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
         let mut scene = BodyScene {
             auras: vec![auras(agent, schema, open, poses)],
             hidden: vec![JOINTS, TRUE_JOINTS, AURAS, MAP],
@@ -232,8 +231,9 @@ impl BodyScene {
             ..BodyScene::default()
         };
         scene.add("limbs", poses, skin, appearance);
-        scene.add_receptors(skin, poses, ids);
-        scene.layers[1].lit_alone = true;
+        let receptors = scene.add_mesh("receptors", poses, mesh_of_receptors(skin), LIMB);
+        (receptors.look, receptors.colour, receptors.lit_alone) = (Look::Receptors, None, true);
+        receptors.labels = skin.receptors.iter().map(|receptor| receptor.id.clone()).collect();
         if skin.receptors.len() <= MOST_NEIGHBOURS {
             scene.maps.push(map(agent, schema, poses));
         }
@@ -277,17 +277,10 @@ impl BodyScene {
         self.layers[0].labels = self.meshes[0].iter().map(|piece| words(piece.limb)).collect();
     }
 
-    /// Adds the receptors of a skin, each with what it is called.
-    fn add_receptors(&mut self, skin: &Skin, poses: &'static str, labels: Vec<String>) {
-        let layer = self.add_mesh("receptors", poses, mesh_of_receptors(skin), LIMB);
-        (layer.look, layer.colour, layer.labels) = (Look::Receptors, None, labels);
-    }
-
-    /// Draws other receptors than those of the body: each with what it is called, and how much it is touched, 0 to 1.
-    pub fn only_receptors(&mut self, skin: &Skin, labels: Vec<String>, values: Vec<f64>) {
-        let poses = self.layers[1].poses;
-        (self.meshes, self.layers) = (self.meshes[..1].to_vec(), self.layers[..1].to_vec());
-        self.add_receptors(skin, poses, labels);
+    /// Draws only some of the receptors, each with what it is called, and how much it is touched, 0 to 1.
+    pub fn only_receptors(&mut self, drawn: &[usize], labels: Vec<String>, values: Vec<f64>) {
+        self.meshes[1] = drawn.iter().map(|&receptor| self.meshes[1][receptor].clone()).collect();
+        (self.layers[1].labels, self.layers[1].lit_alone) = (labels, false);
         self.values = values;
     }
 
@@ -356,16 +349,12 @@ impl BodyScene {
 
     /// The figure as HTML. `says` is read out, `height` is in pixels, `caption` and `legend` are HTML.
     pub fn figure(&self, says: &str, height: usize, legend: &str, caption: &str) -> String {
-        let mut names: Vec<&str> = Vec::new();
         let layers = self.layers.iter().map(|layer| layer.name.as_str());
         let over = self.skeletons.iter().chain(&self.auras).chain(&self.maps);
-        for name in layers.chain(over.filter_map(|own| own["name"].as_str())) {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        let mut switches = String::new();
-        for name in names {
+        let (mut named, mut switches) = (BTreeSet::new(), String::new());
+        for name in
+            layers.chain(over.filter_map(|own| own["name"].as_str())).filter(|name| named.insert(*name))
+        {
             let checked = if self.hidden.contains(&name) { "" } else { " checked=\"\"" };
             let name = escape(name);
             // Writing to a string cannot fail.

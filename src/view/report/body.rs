@@ -7,7 +7,6 @@ use serde_json::Value;
 use super::ReportInput;
 use crate::named::plural;
 use crate::session::Checkpoint;
-use crate::skin::{Receptor, Skin};
 use crate::view::body::{AURAS, BodyScene, MAP, Pose, certainty, step};
 
 /// Most steps of the slider, …
@@ -36,15 +35,13 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
-    let receptors = drawn.iter().map(|&receptor| agent.skin().receptors[receptor].clone()).collect();
-    let skin = Skin { receptors, surfaces: agent.skin().surfaces.clone() };
-    let counts: Vec<usize> = drawn.iter().map(|&receptor| counts[receptor]).collect();
     let most = counts.iter().copied().max().unwrap_or(0);
     let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
-    let touched =
-        |(receptor, count): (&Receptor, &usize)| format!("{}: touched {}", receptor.id, times(*count));
-    let labels = skin.receptors.iter().zip(&counts).map(touched).collect();
-    scene.only_receptors(&skin, labels, counts.iter().map(|count| shade(*count)).collect());
+    let receptors = &agent.skin().receptors;
+    let label =
+        |&receptor: &usize| format!("{}: touched {}", receptors[receptor].id, times(counts[receptor]));
+    let labels = drawn.iter().map(label).collect();
+    scene.only_receptors(&drawn, labels, drawn.iter().map(|&receptor| shade(counts[receptor])).collect());
     scene.poses = vec![("learned", Pose::at_rest(creature, input.schema))];
     scene.add_joints(agent, &undetermined);
     if let Some(truth) = input.truth {
