@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{Failure, output};
 use crate::agent::Agent;
-use crate::evaluation::{CramerRaoBound, Evaluation, Summary};
+use crate::evaluation::{Evaluation, Summary};
 use crate::ground_truth::GroundTruth;
 use crate::learning::learners::{LearnerKind, LevenbergMarquardt, PartByPart};
 use crate::named::{listed, plural};
@@ -131,7 +131,7 @@ impl Printed<'_> {
             None => self.print_own_account(),
             Some(evaluation) => {
                 output::table(&summaries(error_rows(evaluation)));
-                evaluation.bound_mm.iter().for_each(print_bound);
+                evaluation.bound_mm.iter().for_each(|bound| say!("\n  {}", bound_in_words(bound)));
             }
         }
         if let Some(undisturbed) = &result.undisturbed_heldout_mm {
@@ -203,11 +203,6 @@ pub fn print_knowledge(record: &LearningRecord) {
     if !record.open_directions.is_empty() {
         say!("unobservable: {}", record.directions_in_words());
     }
-}
-
-/// The error beside its bound.
-pub fn print_bound(bound: &CramerRaoBound) {
-    say!("\n  {}", bound_in_words(bound));
 }
 
 /// The touches of a session's folder; what is missing at the end of their log is told.

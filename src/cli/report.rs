@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::folders::written_session;
-use super::learned::{measures_json, print_bound, print_knowledge, read_log};
+use super::learned::{measures_json, print_knowledge, read_log};
 use super::open::known_truth;
 use super::{Outcome, output, progress};
 use crate::creature::Joint;
@@ -14,7 +14,7 @@ use crate::learning::LimbLine;
 use crate::named::plural;
 use crate::senses::RecordedTouch;
 use crate::session::{LearningRecord, SCHEMA_FILE, Session, read_schema};
-use crate::view::report::{REPORT_FILE, error_rows, limb_table, summaries, write_report};
+use crate::view::report::{REPORT_FILE, bound_in_words, error_rows, limb_table, summaries, write_report};
 
 /// Report what a session learned, how accurate it is, and what stays unobservable; rewrite its page.
 ///
@@ -138,7 +138,9 @@ impl Found<'_> {
         let errors = self.evaluation.as_ref().map_or(Vec::new(), error_rows);
         let residual = ("contact residual of all touches", "mm", self.residual);
         output::table(&summaries(errors.into_iter().chain([residual])));
-        self.evaluation.iter().filter_map(|e| e.bound_mm.as_ref()).for_each(print_bound);
+        if let Some(bound) = self.evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm) {
+            say!("\n  {}", bound_in_words(&bound));
+        }
         if let Some(account) = self.record.reliable_account() {
             say!("\nsurface error of each limb in the frames of the other located limbs (95 % bounds):");
             output::table(&limb_table(account, creature));

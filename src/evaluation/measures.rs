@@ -185,15 +185,13 @@ fn line_distance(offset: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>) -> f
 
 /// How far apart a schema puts the exact contact points of touches, millimetres.
 pub fn touch_misses(agent: &Agent, schema: &BodySchema, touches: &[RecordedTouch]) -> Summary {
-    Summary::of(touches.iter().map(|touch| touch_miss(agent, schema, touch)))
-}
-
-/// The same of one touch.
-fn touch_miss(agent: &Agent, schema: &BodySchema, touch: &RecordedTouch) -> f64 {
-    let frames = limb_frames(agent.creature(), schema, &touch.posture);
-    let (limbs, points) = (touch.limbs(agent.skin()), touch.exact_contact().points);
-    let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&points[k]));
-    1e3 * (a - b).norm()
+    let miss = |touch: &RecordedTouch| {
+        let frames = limb_frames(agent.creature(), schema, &touch.posture);
+        let (limbs, points) = (touch.limbs(agent.skin()), touch.exact_contact().points);
+        let [a, b] = [0, 1].map(|k| frames[limbs[k]].point(&points[k]));
+        1e3 * (a - b).norm()
+    };
+    Summary::of(touches.iter().map(miss))
 }
 
 /// How many touches each joint lies across, and how many are of each limb's skin.

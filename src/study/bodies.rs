@@ -88,6 +88,8 @@ impl Way {
 }
 
 const EXACT: DisturbanceLevels = DisturbanceLevels::NONE;
+const ROUGH_ANGLES: DisturbanceLevels = DisturbanceLevels { joint_noise: 0.1, ..EXACT };
+const ROUGHER_ANGLES: DisturbanceLevels = DisturbanceLevels { joint_noise: 1.0, ..EXACT };
 const LM: Way = Way { name: "lm", learner: &LevenbergMarquardt, input: Input::Receptor, disturbances: EXACT };
 const BY_CONTACT: Way = Way { input: Input::Contact, ..LM };
 
@@ -97,22 +99,14 @@ const WAYS: [Way; 11] = [
     Way { name: "default", learner: &PartByPart, ..LM },
     LM,
     Way { name: "hersch", learner: &HerschsRule, ..LM },
-    Way { name: "angles to 0.1°", disturbances: DisturbanceLevels { joint_noise: 0.1, ..EXACT }, ..LM },
-    Way { name: "angles to 1°", disturbances: DisturbanceLevels { joint_noise: 1.0, ..EXACT }, ..LM },
+    Way { name: "angles to 0.1°", disturbances: ROUGH_ANGLES, ..LM },
+    Way { name: "angles to 1°", disturbances: ROUGHER_ANGLES, ..LM },
     Way { name: "receptors to 3 mm", disturbances: DisturbanceLevels { receptor_noise: 3.0, ..EXACT }, ..LM },
     Way { name: "5 % false", disturbances: DisturbanceLevels { false_touches: 0.05, ..EXACT }, ..LM },
     Way { name: "20 % false", disturbances: DisturbanceLevels { false_touches: 0.2, ..EXACT }, ..LM },
     Way { name: "contact", ..BY_CONTACT },
-    Way {
-        name: "contact, angles to 0.1°",
-        disturbances: DisturbanceLevels { joint_noise: 0.1, ..EXACT },
-        ..BY_CONTACT
-    },
-    Way {
-        name: "contact, angles to 1°",
-        disturbances: DisturbanceLevels { joint_noise: 1.0, ..EXACT },
-        ..BY_CONTACT
-    },
+    Way { name: "contact, angles to 0.1°", disturbances: ROUGH_ANGLES, ..BY_CONTACT },
+    Way { name: "contact, angles to 1°", disturbances: ROUGHER_ANGLES, ..BY_CONTACT },
 ];
 /// Touches by stages, which end when all is known, at most, in units of those at random.
 const STAGED: usize = 4;

@@ -114,17 +114,6 @@ impl StudyShare {
         difference(&json!(self.asked), &json!(other.asked))
     }
 
-    /// Whether this record of a folder is that of what is asked for.
-    fn check(&self, folder: &Path, asked: &StudyShare) -> Result<(), Error> {
-        let why = match self.difference(asked) {
-            _ if self.share != asked.share => "it belongs to another share".to_string(),
-            Some(difference) => format!("it belongs to another study ({difference})"),
-            None => return Ok(()),
-        };
-        let why = format!("{why}: give another folder with --out");
-        Err(Error::unfit(&folder.join(STUDY_SHARE_FILE), why))
-    }
-
     /// Makes the trials of this share that are missing in its folder, which is the caller's alone, on all threads; tells the caller
     /// of each.
     ///
@@ -132,7 +121,15 @@ impl StudyShare {
     /// If the folder holds another study's, something cannot be written, or cannot be measured at all.
     pub fn make(&self, run: &StudyRun, folder: &Path, made: impl Fn() + Sync) -> Result<(), Error> {
         if StudyShare::is_in(folder) {
-            StudyShare::read(folder)?.check(folder, self)?;
+            let begun = StudyShare::read(folder)?;
+            let why = match begun.difference(self) {
+                _ if begun.share != self.share => Some("it belongs to another share".to_string()),
+                other => other.map(|difference| format!("it belongs to another study ({difference})")),
+            };
+            if let Some(why) = why {
+                let why = format!("{why}: give another folder with --out");
+                return Err(Error::unfit(&folder.join(STUDY_SHARE_FILE), why));
+            }
         } else {
             files::write_json(&folder.join(STUDY_SHARE_FILE), self)?;
         }

@@ -145,7 +145,10 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     let robot = &file.robot;
     let NoiseArguments { joint_noise, false_touches } = args.noise;
     let options = EstimatorOptions { joint_noise, false_touches: false_touches != FalseTouches::No };
-    let lock = args.out.as_deref().map(|out| folder(out, args.force, &args.robot)).transpose()?;
+    let name = args.robot.file_name().unwrap_or_default().to_string_lossy();
+    let files = [&FILES[..], &[REPORT_FILE, &name]].concat();
+    let folder = |out| new_folder(out, args.force, "calibration", &files);
+    let lock = args.out.as_deref().map(folder).transpose()?;
     let spinner = progress::spinner("calibrating");
     let estimator = Estimator::new(robot, &touches, options);
     if estimator.unknowns.is_empty() && estimator.open_signs().is_empty() {
@@ -165,7 +168,9 @@ pub fn run(args: &CalibrateArguments) -> Outcome {
     let Some(lock) = lock else { return Ok(()) };
     write(&found, &lock, &args.robot, &file)?;
     if !args.json {
-        say!("\n{}", contents(&lock, &args.robot, &file));
+        let ([json, tables @ ..], robot) = (FILES, lock.place().join(&*name));
+        let (robot, kind, tables) = (robot.display(), file.format.name(), tables.join(", "));
+        say!("\n{robot}: the calibrated {kind}, {REPORT_FILE}, {tables} and {json}");
     }
     Ok(())
 }
@@ -254,13 +259,6 @@ impl JudgingArguments {
     }
 }
 
-/// The folder for the results about a robot, whose file gets there as well.
-fn folder(out: &Path, force: Force, robot: &Path) -> Result<FolderLock, Failure> {
-    let robot = robot.file_name().unwrap_or_default().to_string_lossy();
-    let files = [&FILES[..], &[REPORT_FILE, &robot]].concat();
-    new_folder(out, force, "calibration", &files)
-}
-
 /// Prints what a person wants to know.
 fn print(found: &Calibration) {
     let (touches, unknowns) = (found.touches.len(), found.estimator.unknowns.len());
@@ -292,7 +290,7 @@ fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFile) 
     let written = file.with_values(path, &found.fit.values)?;
     output::file(&folder.join(name), &written.bytes)?;
     for sentence in &written.left_out {
-        tell!("{}: {sentence}", lock.place().join(name).display());
+        tell!("{}: {sentence}", lock.place().join(&*name).display());
     }
     output::file(&folder.join(REPORT_FILE), html(found, file.format.name()))?;
     let tables = [tables::numbers(found), tables::residuals(found), tables::correlations(found)];
@@ -302,15 +300,4 @@ fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFile) 
         output::file(&folder.join(file), content)?;
     }
     Ok(lock.commit()?)
-}
-
-/// What is in the folder.
-fn contents(lock: &FolderLock, path: &Path, file: &RobotFile) -> String {
-    let [json, tables @ ..] = FILES;
-    format!(
-        "{}: the calibrated {}, {REPORT_FILE}, {} and {json}",
-        lock.place().join(path.file_name().unwrap_or_default()).display(),
-        file.format.name(),
-        tables.join(", ")
-    )
 }
