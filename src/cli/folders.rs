@@ -30,14 +30,7 @@ const OF_SESSIONS: [&str; 11] = [
 pub struct Force {
     /// Replace existing results in the folder; they are kept until the new ones are complete
     #[arg(long, requires = "out", help_heading = "Output")]
-    force: bool,
-}
-
-impl Force {
-    /// Whether they may.
-    pub fn is_given(self) -> bool {
-        self.force
-    }
+    pub force: bool,
 }
 
 /// The folder of a new session: the one named, else the first free of sessions/CREATURE-1, -2, ….

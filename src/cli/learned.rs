@@ -59,14 +59,9 @@ struct Printed<'a> {
 impl Printed<'_> {
     /// How deep limbs were in each other where motions with physics stopped, millimetres; `None` if no touch tells.
     fn depth_mm(&self) -> Option<Summary> {
-        let depths = || {
-            self.babbled
-                .touches
-                .iter()
-                .filter_map(|touch| touch.exact_contact().depth)
-                .map(|depth| 1e3 * depth)
-        };
-        depths().next().map(|_| Summary::of(depths()))
+        let depths = self.babbled.touches.iter().filter_map(|touch| touch.exact_contact().depth);
+        let depths: Vec<f64> = depths.map(|metres| 1e3 * metres).collect();
+        (!depths.is_empty()).then(|| Summary::of(depths.into_iter()))
     }
 
     /// The one JSON object of `babble` and `learn`.

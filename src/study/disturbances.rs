@@ -9,7 +9,7 @@ use crate::session::{DisturbanceLevels, LearningOptions};
 pub(super) const STUDY: Study = Study {
     name: "disturbances",
     about: "effect of noise and false touches on lm",
-    of: Studied::Learning,
+    of: Studied::Creature,
     touches: Some(1000),
     seconds: None,
     cases: || LEVELS.map(|levels| levels.to_string()).into(),

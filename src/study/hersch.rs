@@ -25,7 +25,7 @@ use crate::senses::RecordedTouch;
 pub(super) const STUDY: Study = Study {
     name: "hersch",
     about: "error of Hersch's rule, from touch and from vision, starting near the truth and far from it",
-    of: Studied::Learning,
+    of: Studied::Creature,
     // The rule is slow: after as many, once each, it has found no body from any initial guess.
     touches: Some(20_000),
     seconds: None,

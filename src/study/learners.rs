@@ -11,7 +11,7 @@ use crate::session::LearningOptions;
 pub(super) const STUDY: Study = Study {
     name: "learners",
     about: "error of each learner by number of touches",
-    of: Studied::Learning,
+    of: Studied::Creature,
     touches: Some(1000),
     seconds: None,
     cases: || learners().map(|(name, _)| name.to_string()).into(),

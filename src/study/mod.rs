@@ -67,12 +67,10 @@ pub struct Study {
 pub enum Studied {
     /// Bodies or robots that the seeds make.
     Generated,
-    /// A creature that learns its body in the trials.
-    Learning,
+    /// A creature that learns its body in the trials, or is touched.
+    Creature,
     /// A creature that acts by what it has learned of its body before: in a session, or by the first seed.
     Acting,
-    /// A creature that is touched, and learns nothing.
-    Touched,
 }
 
 impl Study {

@@ -15,7 +15,7 @@ use crate::skin::SomatotopicMap;
 pub(super) const STUDY: Study = Study {
     name: "senses",
     about: "recognition of taps, presses, strokes, rubs, strokes across joints and strokes with a damaged map; a trial is one of each",
-    of: Studied::Touched,
+    of: Studied::Creature,
     touches: None,
     seconds: None,
     cases: || CASES.map(|(name, _)| name.to_string()).into(),

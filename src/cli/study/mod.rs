@@ -169,7 +169,7 @@ impl RunArguments {
             None => first_free(numbered, &FILES)?,
         };
         let trials = lock.place().join(TRIALS_FOLDER);
-        if StudyShare::is_in(&trials) && !is_begun(&lock.place().to_path_buf()) && self.force.is_given() {
+        if StudyShare::is_in(&trials) && !is_begun(&lock.place().to_path_buf()) && self.force.force {
             fs::remove_dir_all(&trials).map_err(Error::unwritable(&trials))?;
         }
         Ok(lock)

@@ -69,13 +69,9 @@ fn row(tree: &mut Tree, name: &str, mut mount: Mount, shares: &[f64]) -> usize {
     mount.parent
 }
 
-fn top(tree: &Tree) -> Vector3<f64> {
-    Tree::on_trunk(tree.trunk_half(), &Vector3::z())
-}
-
 fn chain(mut tree: Tree) -> Tree {
     let shares = vec![1.0; tree.draw.count(3, 9)];
-    let (at, spread) = (top(&tree), tree.draw.between(0.0, 0.7));
+    let (at, spread) = (tree.on_trunk(&Vector3::z()), tree.draw.between(0.0, 0.7));
     row(&mut tree, "link", Mount::on(0, at, Vector3::z(), spread), &shares);
     tree
 }
@@ -84,7 +80,7 @@ fn snake(mut tree: Tree) -> Tree {
     tree.style.width *= 0.7;
     tree.thickness = tree.draw.between(0.2, 0.35);
     let shares = vec![1.0; tree.draw.count(8, 16)];
-    let (at, spread) = (top(&tree), tree.draw.between(0.0, 0.2));
+    let (at, spread) = (tree.on_trunk(&Vector3::z()), tree.draw.between(0.0, 0.2));
     row(&mut tree, "segment", Mount::on(0, at, Vector3::z(), spread), &shares);
     tree
 }
@@ -92,7 +88,6 @@ fn snake(mut tree: Tree) -> Tree {
 fn star(mut tree: Tree) -> Tree {
     let (count, segments) = (tree.draw.count(3, 8), tree.draw.count(2, 4));
     let flat = tree.draw.chance(0.4);
-    let half = tree.trunk_half();
     let mut directions: Vec<Vector3<f64>> = Vec::new();
     for arm in 0..count {
         // Of several directions that which is farthest from all before it.
@@ -109,7 +104,7 @@ fn star(mut tree: Tree) -> Tree {
             }
         }
         directions.push(best.1);
-        let at = Tree::on_trunk(half, &best.1);
+        let at = tree.on_trunk(&best.1);
         row(&mut tree, &format!("arm_{}", arm + 1), Mount::on(0, at, best.1, 0.15), &vec![1.0; segments]);
     }
     tree
@@ -119,7 +114,7 @@ fn humanoid(mut tree: Tree) -> Tree {
     let half = tree.trunk_half();
     let length = tree.length(0.9);
     let chest_radius = 0.4 * length;
-    let mount = Mount::on(0, top(&tree), Vector3::z(), 0.05).sized(length, chest_radius);
+    let mount = Mount::on(0, tree.on_trunk(&Vector3::z()), Vector3::z(), 0.05).sized(length, chest_radius);
     let joining =
         tree.draw.weighted(&[(Joining::Hinge, 0.3), (Joining::TwoHinges, 0.3), (Joining::ThreeHinges, 0.4)]);
     let chest = tree.joined_limb("chest".into(), mount, joining);
@@ -191,7 +186,7 @@ fn arms(mut tree: Tree) -> Tree {
 
 fn hand(mut tree: Tree) -> Tree {
     let length = tree.length(1.0);
-    let mount = Mount::on(0, top(&tree), Vector3::z(), 0.0).sized(length, 0.0);
+    let mount = Mount::on(0, tree.on_trunk(&Vector3::z()), Vector3::z(), 0.0).sized(length, 0.0);
     let joining =
         tree.draw.weighted(&[(Joining::TwoHinges, 0.6), (Joining::Hinge, 0.2), (Joining::ThreeHinges, 0.2)]);
     let (palm, size) = palm(&mut tree, "palm".into(), mount, joining);
@@ -201,12 +196,11 @@ fn hand(mut tree: Tree) -> Tree {
 
 fn random_tree(mut tree: Tree) -> Tree {
     let count = tree.draw.count(4, 18);
-    let half = tree.trunk_half();
     for limb in 1..=count {
         let parent = tree.draw.count(0, limb - 1);
         let (at, towards) = if parent == 0 {
             let towards = tree.draw.direction();
-            (Tree::on_trunk(half, &towards), towards)
+            (tree.on_trunk(&towards), towards)
         } else if tree.draw.chance(0.6) {
             (tree.end_of(parent), tree.draw.about(&Vector3::z(), 1.0))
         } else {

@@ -114,9 +114,9 @@ impl Tree {
         Vector3::z() * self.limbs[limb].length
     }
 
-    /// A place on the trunk's surface, about half its sides `half` (metres), and somewhat out of it.
-    pub fn on_trunk(half: Vector3<f64>, towards: &Vector3<f64>) -> Vector3<f64> {
-        half.component_mul(towards) * 1.12
+    /// A place on the trunk's surface, and somewhat out of it.
+    pub fn on_trunk(&self, towards: &Vector3<f64>) -> Vector3<f64> {
+        self.trunk_half().component_mul(towards) * 1.12
     }
 
     /// Half the trunk's sides, metres.

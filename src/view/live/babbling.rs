@@ -80,13 +80,6 @@ impl BabblingState {
         self.waiting.push_back(touch.clone());
     }
 
-    fn show_next(&mut self) {
-        if let Some(next) = self.waiting.pop_front() {
-            self.light(&next);
-            self.posture = next.posture;
-        }
-    }
-
     fn light(&mut self, touch: &Touch) {
         for end in touch.ends {
             self.lit[end.receptor] = self.lit[end.receptor].wrapping_add(1);
@@ -250,7 +243,10 @@ impl LivePage for BabblingView {
         // Only copied under the lock: babbling waits for nobody.
         let (posture, learned, mut told) = {
             let mut state = locked(&self.state);
-            state.show_next();
+            if let Some(next) = state.waiting.pop_front() {
+                state.light(&next);
+                state.posture = next.posture;
+            }
             let told = json!({
                 "doing": state.doing,
                 "touches": state.touches,

@@ -66,7 +66,8 @@ struct Held {
 pub(super) async fn serve(listener: TcpListener, routes: Router) {
     // Where the system refuses it keeps more for each.
     let _ = socket2::SockRef::from(&listener).set_send_buffer_size(SENT);
-    let most = most();
+    let files = getrlimit(Resource::RLIMIT_NOFILE).map_or(u64::MAX, |(soft, _)| soft);
+    let most = (files / SHARE).clamp(1, MOST) as usize;
     // In the order in which they came.
     let mut held: Vec<Held> = Vec::new();
     loop {
@@ -87,12 +88,6 @@ pub(super) async fn serve(listener: TcpListener, routes: Router) {
             Err(_) => {}
         }
     }
-}
-
-/// Most connections that this process may hold.
-fn most() -> usize {
-    let files = getrlimit(Resource::RLIMIT_NOFILE).map_or(u64::MAX, |(soft, _)| soft);
-    (files / SHARE).clamp(1, MOST) as usize
 }
 
 /// Ends the least useful connection.
