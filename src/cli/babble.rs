@@ -134,7 +134,7 @@ pub fn run(args: &BabbleArguments) -> Outcome {
     complete(session, lock, (&embodied, &setup), page, args.json)
 }
 
-/// Says how far a resumed session of so many touches has come, and whether nothing is left to do in its folder.
+/// Reports how many of `all` touches a resumed session has; returns whether nothing is left to do in its folder.
 fn is_complete(
     session: &BabblingSession,
     lock: &FolderLock,

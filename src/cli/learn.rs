@@ -85,7 +85,7 @@ pub const KNOWN_HELP: &str = r#"Example of a file for --known: the left elbow ex
   ]}"#;
 
 pub fn run(args: &LearnArguments) -> Outcome {
-    // What is learned from a session goes into its own folder, unless another is named.
+    // The lock of the session's own folder, which the results go to unless --out names another.
     let mut own = None;
     let mut babbled = match (&args.session, &args.creature, &args.log) {
         (Some(folder), ..) => {

@@ -248,7 +248,7 @@ fn session(args: &RenderArguments, film: bool) -> Result<Drawing, Failure> {
     Ok(Drawing { model: body.declared.clone(), body: Some(body), alone: true, shots, shaded })
 }
 
-/// Touches of a session by their numbers, which count from 1, or some of the first; and the number of the first of them.
+/// The touches of a session from one number to another, counted from 1, or the first ones; and the number of the first.
 fn touches(
     args: &RenderArguments,
     agent: &Agent,

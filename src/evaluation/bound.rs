@@ -1,5 +1,5 @@
-//! What touches bound: the least error that they leave, in the end and during learning, and what can be told of a schema without
-//! the truth: how sure they make it, and how far apart it puts what touched in touches that it was not fitted to.
+//! Bounds of the error of a schema: the Cramér-Rao bound beside the error, at the end and during learning, and an estimate of the
+//! error without the ground truth.
 
 use serde::{Deserialize, Serialize};
 
@@ -66,8 +66,8 @@ impl CramerRaoBound {
     }
 }
 
-/// The indices of the points whose limbs an account claims to be placed against one another, each with the standard deviation
-/// that the touches leave it, millimetres. A direction that no touch feels bounds nothing: points in such are left out.
+/// The indices of the points whose limbs an account claims to locate relative to each other, and the standard deviation of each
+/// point, millimetres. Points without a finite one, in an unobservable direction, are left out.
 fn claimed_deviations(
     creature: &Creature,
     schema: &BodySchema,

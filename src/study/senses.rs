@@ -40,10 +40,10 @@ const PROBE: &str = "probe";
 /// The case of a sensor whose map has every other link missing.
 const UNLINKED: &str = "stroke, half the map missing";
 
-/// What a probe does that sets out at a time, seconds. `None` if there is no room for it.
+/// Draws the path of a probe that starts at a time, seconds; `None` if there is no room for it.
 type Drawn = fn(&Strokes, f64, &mut ChaCha8Rng) -> Option<Stimulation>;
 
-/// What is done in a trial, each with the name of its case.
+/// The cases: their names, and the stimulation of each.
 const CASES: [(&str, Drawn); 7] = [
     ("tap", |strokes, time, rng| strokes.random(TouchKind::Tap, time, rng)),
     ("press", |strokes, time, rng| strokes.random(TouchKind::Press, time, rng)),

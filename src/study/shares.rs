@@ -53,7 +53,7 @@ impl Share {
         (1..=of).map(move |number| Share { of, number })
     }
 
-    /// Its own among numbered pieces of work.
+    /// Those of numbered pieces of work that belong to it.
     pub fn own(self, pieces: Range<u64>) -> impl Iterator<Item = u64> {
         pieces.skip(self.number as usize - 1).step_by(self.of as usize)
     }

@@ -290,7 +290,7 @@ fn write(found: &Calibration, lock: &FolderLock, path: &Path, file: &RobotFile) 
     let written = file.with_values(path, &found.fit.values)?;
     output::file(&folder.join(name), &written.bytes)?;
     for sentence in &written.left_out {
-        tell!("{}: {sentence}", lock.place().join(&*name).display());
+        tell!("{}: {sentence}", lock.place().join(name).display());
     }
     output::file(&folder.join(REPORT_FILE), html(found, file.format.name()))?;
     let tables = [tables::numbers(found), tables::residuals(found), tables::correlations(found)];

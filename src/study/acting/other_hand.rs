@@ -39,32 +39,31 @@ struct FeltThing {
 pub(super) fn run(scene: &Scene, on_the_table: bool) -> Result<Vec<Row>, Error> {
     let mut rng = scene.rng(u64::from(!on_the_table));
     let mut nobody = on_the_table.then(|| scene.at_table(scene.truth, &[])).transpose()?;
-    let mut drawn = None;
     for _ in 0..DRAWS {
-        let thing = on_the_table.then(|| {
-            let (x, y) = (rng.random_range(0.3..0.75), rng.random_range(-0.45..0.45));
-            on_table(shape(&mut rng), x, y, rng.random_range(0.0..std::f64::consts::PI))
-        });
-        let arm = rng.random_range(0..2);
-        let put = match (thing, &mut nobody) {
-            (Some(thing), Some(nobody)) => {
+        let put = match &mut nobody {
+            Some(nobody) => {
+                let (x, y) = (rng.random_range(0.3..0.75), rng.random_range(-0.45..0.45));
+                let shape = shape(&mut rng);
+                let thing = on_table(shape, x, y, rng.random_range(0.0..std::f64::consts::PI));
+                let arm = rng.random_range(0..2);
                 both_reach(nobody, &thing).then_some(PlacedThing { thing, arm, posture: None })
             }
-            _ => in_air(scene, arm, &mut rng)?,
+            None => {
+                let arm = rng.random_range(0..2);
+                in_air(scene, arm, &mut rng)?
+            }
         };
         let Some(put) = put else { continue };
         // Whether it is felt, and whether the other hand could truly reach it, is asked of the truth.
         let felt = feel(scene, scene.truth, &put)?;
         if felt.is_some_and(|(actor, felt)| reachable(actor, &felt)) {
-            drawn = Some(put);
-            break;
+            return scene.by_each_schema(|known| match feel(scene, known, &put)? {
+                Some((actor, felt)) => attempt(actor, &felt),
+                None => Ok(json!({"done": false, "first": false, "result": "not felt"})),
+            });
         }
     }
-    let Some(put) = drawn else { return Ok(Vec::new()) };
-    scene.by_each_schema(|known| match feel(scene, known, &put)? {
-        Some((actor, felt)) => attempt(actor, &felt),
-        None => Ok(json!({"done": false, "first": false, "result": "not felt"})),
-    })
+    Ok(Vec::new())
 }
 
 /// Whether both hands of a creature at the table could be where a thing stands.

@@ -277,7 +277,7 @@ impl BodyScene {
         self.layers[0].labels = self.meshes[0].iter().map(|piece| words(piece.limb)).collect();
     }
 
-    /// Draws only some of the receptors, each with what it is called, and how much it is touched, 0 to 1.
+    /// Draws only some receptors, each with its label and how much it is touched, 0 to 1.
     pub fn only_receptors(&mut self, drawn: &[usize], labels: Vec<String>, values: Vec<f64>) {
         self.meshes[1] = drawn.iter().map(|&receptor| self.meshes[1][receptor].clone()).collect();
         (self.layers[1].labels, self.layers[1].lit_alone) = (labels, false);
