@@ -69,11 +69,8 @@ pub struct HeldOutPoint {
 /// frame of another random limb. Always the same of one creature and skin.
 pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(HELD_OUT_SEED);
-    let mut on_limb = vec![Vec::new(); agent.creature().limbs().len()];
-    for (r, receptor) in agent.skin().receptors.iter().enumerate() {
-        on_limb[receptor.limb].push(r);
-    }
-    let limbs: Vec<usize> = (0..on_limb.len()).filter(|&limb| !on_limb[limb].is_empty()).collect();
+    let (skin, limbs) = (agent.skin(), agent.limbs_with_skin());
+    let on_limb: Vec<Vec<usize>> = limbs.iter().map(|&limb| skin.receptors_on(limb).collect()).collect();
     if limbs.len() < 2 {
         return Vec::new();
     }
@@ -83,7 +80,7 @@ pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
         let from = rng.random_range(0..limbs.len());
         let to = (from + rng.random_range(1..limbs.len())) % limbs.len();
         let (a, b) = (limbs[from], limbs[to]);
-        let receptor = &agent.skin().receptors[on_limb[a][rng.random_range(0..on_limb[a].len())]];
+        let receptor = &skin.receptors[on_limb[from][rng.random_range(0..on_limb[from].len())]];
         let [u, v] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_a = receptor.position + receptor.tangent * u + receptor.bitangent() * v;
         points.push(HeldOutPoint { posture, limbs: [a, b], p_a });

@@ -8,7 +8,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::folders::{Force, first_free, new_folder};
@@ -202,7 +201,7 @@ fn make(run: &StudyRun, share: &StudyShare, folder: &Path) -> Outcome {
     } else if missing < all {
         tell!("{}: {} of {all} trials are present; resuming", folder.display(), all - missing);
     }
-    let bar: ProgressBar = progress::steps(all as u64);
+    let bar = progress::steps(all as u64);
     bar.set_position((all - missing) as u64);
     bar.set_message(format!("trials of {}", run.asked().study));
     share.make(run, folder, || bar.inc(1))?;
