@@ -7,7 +7,6 @@ mod coupling;
 mod from_model;
 mod names;
 mod posture;
-mod posture_words;
 mod selection;
 
 use std::f64::consts::TAU;

@@ -3,7 +3,6 @@
 //! A [`Shape`] is matched here and nowhere else: whoever has one asks its methods. [`gap()`] is the one answer to how
 //! far apart two placed bodies are; [`Ball`] and [`Capsule`] bound what is too far away to be asked about.
 
-mod bounds;
 mod capsule;
 mod contact_region;
 mod epa;
@@ -18,8 +17,7 @@ mod samples;
 mod shape;
 mod simplex;
 
-pub use bounds::{Ball, Cluster, box_about, clusters};
-pub use capsule::{Capsule, closest_points};
+pub use capsule::{Ball, Capsule, Cluster, box_about, closest_points, clusters};
 pub use contact_region::ContactRegion;
 pub use formats::UrdfGeometry;
 pub use frame::{Frame, tangent_basis};

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
-use super::contact::{Contact, Contacts};
 use super::element::{quaternion, vector};
 use super::engine::{self, guarded};
 use super::error::{Error, Result};
@@ -15,6 +14,19 @@ use super::model::{Model, slice};
 
 /// An engine function that computes one stage for a posture.
 type Computation = unsafe extern "C-unwind" fn(*const ffi::mjModel, *mut ffi::mjData);
+
+/// A place where two geoms touch or nearly do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The two geoms; the engine puts the one with the lower shape type first.
+    pub geoms: [usize; 2],
+    /// Midpoint between the two surfaces, in the world frame, in metres.
+    pub position: Point3<f64>,
+    /// Unit normal from the first geom to the second, in the world frame.
+    pub normal: Vector3<f64>,
+    /// Distance between the surfaces, in metres; negative where they overlap.
+    pub distance: f64,
+}
 
 /// The state of a model in one posture.
 ///
@@ -237,14 +249,8 @@ impl Data {
     /// The contacts that press, of the last [`Data::step2`], [`Data::step`] or [`Data::forward`], with their normal
     /// forces, newtons, all above zero.
     pub fn pressing(&self) -> impl Iterator<Item = (Contact, f64)> + '_ {
-        // What is no contact of two geoms takes a number as well.
-        let numbers = (0..self.raw().ncon as usize).filter(|&i| {
-            // SAFETY: the engine has written `ncon` contacts.
-            let raw = unsafe { &*self.raw().contact.add(i) };
-            raw.geom1 >= 0 && raw.geom2 >= 0
-        });
-        let forces = numbers.map(|i| self.contact_force(i).x);
-        self.contacts().zip(forces).filter(|(_, force)| *force > 0.0)
+        let with_forces = self.numbered_contacts().map(|(i, contact)| (contact, self.contact_force(i).x));
+        with_forces.filter(|(_, force)| *force > 0.0)
     }
 
     /// Computes the poses of bodies, joints, geoms and sites.
@@ -343,10 +349,25 @@ impl Data {
     }
 
     /// The contacts of the last [`Data::collision`] or [`Data::forward`].
-    pub fn contacts(&self) -> Contacts<'_> {
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        self.numbered_contacts().map(|(_, contact)| contact)
+    }
+
+    /// The same with their numbers among all, in the engine's order: contacts of a deformable body, which carry a geom of -1,
+    /// are none of a geom pair, but take a number.
+    fn numbered_contacts(&self) -> impl Iterator<Item = (usize, Contact)> + '_ {
         let raw = self.raw();
         // SAFETY: the engine has written `ncon` contacts, and writes again only through `&mut self`.
-        Contacts(unsafe { slice(raw.contact, raw.ncon as usize) }.iter())
+        let all = unsafe { slice(raw.contact, raw.ncon as usize) }.iter().enumerate();
+        all.filter(|(_, raw)| raw.geom1 >= 0 && raw.geom2 >= 0).map(|(i, raw)| {
+            let contact = Contact {
+                geoms: [raw.geom1 as usize, raw.geom2 as usize],
+                position: Point3::new(raw.pos[0], raw.pos[1], raw.pos[2]),
+                normal: Vector3::new(raw.frame[0], raw.frame[1], raw.frame[2]),
+                distance: raw.dist,
+            };
+            (i, contact)
+        })
     }
 
     /// The force of contact `i` of the last [`Data::forward`], in newtons, in the contact's frame: along

@@ -12,7 +12,6 @@
 #![deny(unsafe_op_in_unsafe_fn)]
 
 mod compiler;
-mod contact;
 mod data;
 mod element;
 mod engine;
@@ -26,22 +25,20 @@ mod opengl;
 mod renderer;
 mod shapes;
 mod simulated;
-mod surface;
 mod vfs;
 
 pub(crate) use compiler::Compiler;
-pub use contact::{Contact, Contacts};
-pub use data::Data;
+pub use data::{Contact, Data};
 pub use element::{
     Equality, Geom, GeomKind, JointKind, ModelBody, ModelJoint, ObjectKind, Sensor, SensorKind, Site, Tuple,
     TupleEntry,
 };
 pub use engine::{Version, check, compare, schema};
 pub use error::{Error, Result};
+pub use filter::AURA_GEOM;
 pub use model::Model;
 #[cfg(feature = "render")]
 pub use opengl::OPENGL_VARIABLE;
 #[cfg(feature = "render")]
 pub use renderer::{Camera, GeomCopy, Image, MOST_MARKS, Mark, PICTURE_SIDES, Renderer, View};
 pub use simulated::LONGEST_STEP;
-pub use surface::AURA_GEOM;

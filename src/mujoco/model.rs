@@ -270,14 +270,10 @@ impl Model {
     /// The engine's own frame of the mesh: the geom's position and orientation go with it, which are
     /// those of the mesh's inertia and not the file's.
     pub fn mesh_vertices(&self, i: usize) -> Vec<Vector3<f64>> {
-        let mesh = array!(self, geom_dataid[ngeom])[i];
-        if self.geom_kind(i) != GeomKind::Mesh || mesh < 0 {
-            return Vec::new();
-        }
-        let vertices = range(
-            array!(self, mesh_vertadr[nmesh])[mesh as usize],
-            array!(self, mesh_vertnum[nmesh])[mesh as usize],
-        );
+        let mesh = self.mesh_of_geom(i).filter(|_| self.geom_kind(i) == GeomKind::Mesh);
+        let Some(mesh) = mesh else { return Vec::new() };
+        let vertices =
+            range(array!(self, mesh_vertadr[nmesh])[mesh], array!(self, mesh_vertnum[nmesh])[mesh]);
         let coordinates = array!(self, mesh_vert[nmeshvert * 3]);
         coordinates[3 * vertices.start..3 * vertices.end]
             .chunks_exact(3)
@@ -290,8 +286,7 @@ impl Model {
     #[allow(clippy::type_complexity, reason = "corners and faces are what every mesh is")]
     pub fn mesh_hull(&self, i: usize) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
         let vertices = self.mesh_vertices(i);
-        let mesh =
-            usize::try_from(array!(self, geom_dataid[ngeom])[i]).ok().filter(|_| !vertices.is_empty())?;
+        let mesh = self.mesh_of_geom(i).filter(|_| !vertices.is_empty())?;
         let start = usize::try_from(array!(self, mesh_graphadr[nmesh])[mesh]).ok()?;
         // Counts of vertices and faces; per vertex its first edge and its index; the edges; the faces.
         let graph = array!(self, mesh_graph[nmeshgraph]).get(start..)?;

@@ -127,7 +127,7 @@ pub struct Renderer {
     buffers: Buffers,
     scene: EngineScene,
     context: OffscreenContext,
-    option: ffi::mjvOption,
+    option: Box<ffi::mjvOption>,
     data: Data,
     width: usize,
     height: usize,
@@ -165,12 +165,7 @@ impl Renderer {
         let context = OffscreenContext::new()?;
         let buffers = Buffers::new(&copy, font(height))?;
         let scene = EngineScene::new(&copy)?;
-        let mut option = MaybeUninit::zeroed();
-        // SAFETY: the engine fills in what it is given; all zeros are valid before.
-        let mut option: ffi::mjvOption = unsafe {
-            ffi::mjv_defaultOption(option.as_mut_ptr());
-            option.assume_init()
-        };
+        let mut option = by_default(ffi::mjv_defaultOption);
         // Receptors cover all of a skin: over the body's own looks they would be all that is seen.
         option.sitegroup.fill(0);
         let limbs = || copy.geoms().enumerate().filter(|(g, geom)| geom.body != 0 && !copy.is_aura(*g));
@@ -251,6 +246,16 @@ fn warned(call: &'static str) -> Result<()> {
     engine::take_warning().map_or(Ok(()), |message| Err(Error::Warning { call, message }))
 }
 
+/// A structure of the engine, set to its defaults.
+fn by_default<T>(set: unsafe extern "C-unwind" fn(*mut T)) -> Box<T> {
+    let mut made = Box::new(MaybeUninit::zeroed());
+    // SAFETY: the engine fills in what it is given; all zeros are valid before.
+    unsafe {
+        set(made.as_mut_ptr());
+        made.assume_init()
+    }
+}
+
 /// What MuJoCo keeps in OpenGL.
 struct Buffers(Box<ffi::mjrContext>);
 
@@ -258,12 +263,7 @@ impl Buffers {
     /// Those of a model, for drawing off-screen; a context of OpenGL is current.
     fn new(model: &Model, font: u32) -> Result<Buffers> {
         let _one_at_a_time = MAKING_CONTEXT.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut buffers = Box::new(MaybeUninit::zeroed());
-        // SAFETY: the engine fills in what it is given; all zeros are valid before.
-        let mut buffers = Buffers(unsafe {
-            ffi::mjr_defaultContext(buffers.as_mut_ptr());
-            buffers.assume_init()
-        });
+        let mut buffers = Buffers(by_default(ffi::mjr_defaultContext));
         let raw = &mut *buffers.0;
         guarded("mjr_makeContext", || {
             // SAFETY: the model is valid, the buffers are set to their defaults, and a context is current.
@@ -300,12 +300,7 @@ struct EngineScene(Box<ffi::mjvScene>);
 
 impl EngineScene {
     fn new(model: &Model) -> Result<EngineScene> {
-        let mut scene = Box::new(MaybeUninit::zeroed());
-        // SAFETY: the engine fills in what it is given; all zeros are valid before.
-        let mut scene = EngineScene(unsafe {
-            ffi::mjv_defaultScene(scene.as_mut_ptr());
-            scene.assume_init()
-        });
+        let mut scene = EngineScene(by_default(ffi::mjv_defaultScene));
         let room = 2 * (model.ngeom() + model.nsite() + model.nbody()) + MOST_MARKS;
         let raw = &mut *scene.0;
         // SAFETY: the model is valid and the scene is set to its defaults.
@@ -317,18 +312,17 @@ impl EngineScene {
         let model = data.model().clone();
         let mut camera = camera(&view.camera, &model)?;
         let scene = &mut *self.0;
-        let mut perturbation = MaybeUninit::zeroed();
+        let perturbation = by_default(ffi::mjv_defaultPerturb);
         guarded("mjv_updateScene", || {
             // SAFETY: the data are of the model and borrowed exclusively, and all else is set as the engine wants it.
             unsafe {
                 scene.flags[ffi::mjRND_SKYBOX as usize] = (!view.marks_alone).into();
-                ffi::mjv_defaultPerturb(perturbation.as_mut_ptr());
                 ffi::mjv_updateScene(
                     model.raw(),
                     data.raw_mut(),
                     option,
-                    perturbation.as_ptr(),
-                    &raw mut camera,
+                    &raw const *perturbation,
+                    &raw mut *camera,
                     ffi::mjCAT_ALL as i32,
                     scene,
                 );
@@ -433,13 +427,8 @@ fn half_turn() -> UnitQuaternion<f64> {
 }
 
 /// A camera as the engine has it.
-fn camera(camera: &Camera, model: &Model) -> Result<ffi::mjvCamera> {
-    let mut raw = MaybeUninit::zeroed();
-    // SAFETY: the engine fills in what it is given; all zeros are valid before.
-    let mut raw: ffi::mjvCamera = unsafe {
-        ffi::mjv_defaultCamera(raw.as_mut_ptr());
-        raw.assume_init()
-    };
+fn camera(camera: &Camera, model: &Model) -> Result<Box<ffi::mjvCamera>> {
+    let mut raw = by_default(ffi::mjv_defaultCamera);
     match *camera {
         Camera::Free { lookat, distance, azimuth, elevation } => {
             raw.type_ = ffi::mjCAMERA_FREE as i32;

@@ -13,7 +13,6 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::broad_phase::BroadPhase;
-use super::kept_apart;
 use super::relative_motion::{PairMotion, outlasts, until_zero};
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
@@ -377,7 +376,7 @@ impl ConservativeAdvancement {
     ) -> f64 {
         let capsules = bounds.map(|bound| &self.world[bound as usize]);
         let kept_apart =
-            || kept_apart::capsules(capsules, motion, &gap.normal, self.pairs[k].acceleration, heeded);
+            || motion.keeps_capsules_apart(capsules, &gap.normal, self.pairs[k].acceleration, heeded);
         let exact = bounds.iter().all(|&bound| self.touchable.bounds[bound as usize].exact);
         if gap.distance > MET {
             let by_capsules = (gap.distance / self.pairs[k].speed).max(kept_apart());
@@ -415,7 +414,7 @@ impl ConservativeAdvancement {
         let pair = self.touchable.pairs[k];
         let Some([first, second]) = self.solids(&pair, bounds) else { return 0.0 };
         let kept_apart = |normal: &Vector3<f64>| {
-            kept_apart::bodies([&first, &second], motion, normal, self.pairs[k].acceleration, heeded)
+            motion.keeps_bodies_apart([&first, &second], normal, self.pairs[k].acceleration, heeded)
         };
         let orientation = &self.limbs[pair.limbs()[1]].frame.rotation;
         let mut guess = about.normal;

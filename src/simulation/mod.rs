@@ -9,7 +9,6 @@ mod agent_handle;
 mod broad_phase;
 mod dynamic;
 mod event;
-mod kept_apart;
 mod kinematic;
 mod motion;
 pub mod partner;

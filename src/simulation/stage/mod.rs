@@ -9,7 +9,6 @@
 //! that the creature has of it.
 
 mod building;
-mod carried;
 mod carrying;
 mod core;
 mod stillness;

@@ -9,7 +9,7 @@ use super::{GrowOptions, Sprout, sprouts};
 use crate::creature::{Body, JointSelection, body_name, free_name, joint_name};
 use crate::error::Error;
 use crate::geometry::{Shape, wxyz};
-use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, write};
+use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, set_compiler, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::from_model::{skin_of, touch_sites};
 
@@ -253,18 +253,9 @@ fn move_assets(root: &mut Element, way: &Path) {
         root.children.insert(0, Element::new("compiler"));
     }
     for folder in ["meshdir", "texturedir"] {
-        // A later compiler section overrides an earlier one.
-        let told = root.children.iter_mut().filter(|section| section.name == "compiler").fold(
-            None,
-            |last: Option<&mut Element>, section| {
-                if last.is_none() || section.has(folder) { Some(section) } else { last }
-            },
-        );
-        if let Some(compiler) = told {
-            let old = compiler.get(folder).unwrap_or_default();
-            let new = way.join(old).display().to_string();
-            compiler.set(folder, new);
-        }
+        let old = root.setting("compiler", folder).unwrap_or_default();
+        let new = way.join(old).display().to_string();
+        set_compiler(root, folder, &new);
     }
 }
 
