@@ -40,23 +40,6 @@ pub enum Precision {
     LowerBound,
 }
 
-impl Precision {
-    fn most_supports(self) -> usize {
-        match self {
-            Precision::Exact | Precision::ExactWhereShallow => MOST_EXACT,
-            Precision::LowerBound => MOST,
-        }
-    }
-
-    /// Whether it is enough to know that a distance is between these bounds.
-    fn is_reached(self, least: f64, most: f64, enough: f64) -> bool {
-        match self {
-            Precision::Exact | Precision::ExactWhereShallow => most - least < EXACT.min(EXACT_SHARE * most),
-            Precision::LowerBound => least >= enough.min(GOOD * most),
-        }
-    }
-}
-
 /// The gap of two convex bodies, given by the point of their difference that is farthest in a direction of length 1;
 /// `guess` is a unit vector from the second to the first to begin with. A lower bound needs not be above `enough`.
 pub(super) fn gjk(
@@ -71,37 +54,38 @@ pub(super) fn gjk(
     let mut nearest = simplex.nearest_to_origin();
     // The plane that parts the bodies the farthest: a lower bound and its normal.
     let mut best = (guess.dot(&first.difference), *guess);
-    for _ in 0..precision.most_supports() {
+    let exact = precision != Precision::LowerBound;
+    // Whether it is enough to know that the distance is between these bounds.
+    let is_reached = |least: f64, most: f64| match exact {
+        true => most - least < EXACT.min(EXACT_SHARE * most),
+        false => least >= enough.min(GOOD * most),
+    };
+    for _ in 0..if exact { MOST_EXACT } else { MOST } {
         let distance = nearest.point.norm();
-        match precision {
-            Precision::Exact | Precision::ExactWhereShallow if distance < OVERLAPPING => {
-                return penetration(support, simplex.corners(), precision);
-            }
-            Precision::LowerBound if distance < MET || precision.is_reached(best.0, distance, enough) => {
-                break;
-            }
-            _ => {}
+        if exact && distance < OVERLAPPING {
+            return penetration(support, simplex.corners(), precision);
+        }
+        if !exact && (distance < MET || is_reached(best.0, distance)) {
+            break;
         }
         let direction = nearest.point / distance;
         let corner = support(&-direction);
         let bound = direction.dot(&corner.difference);
         // What is exact has the normal that leads to the nearest point: no other bound counts.
-        if bound > best.0 || precision != Precision::LowerBound {
+        if bound > best.0 || exact {
             best = (bound, direction);
         }
         let known = simplex.corners().iter().any(|other| other.difference == corner.difference);
-        if known || precision.is_reached(best.0, distance, enough) {
+        if known || is_reached(best.0, distance) {
             break;
         }
         let trial = simplex.with(corner);
         let closer = trial.nearest_to_origin();
         if closer.weights.iter().all(|&weight| weight > 0.0) {
-            match precision {
-                Precision::Exact | Precision::ExactWhereShallow => {
-                    return penetration(support, trial.corners(), precision);
-                }
-                Precision::LowerBound => break,
+            if exact {
+                return penetration(support, trial.corners(), precision);
             }
+            break;
         }
         // Rounding: the way is as short as it gets.
         if closer.point.norm() >= distance {
@@ -112,15 +96,13 @@ pub(super) fn gjk(
         nearest = SimplexPoint { point: closer.point, weights };
     }
     let points = witnesses(simplex.corners(), &nearest.weights);
-    match precision {
-        Precision::Exact | Precision::ExactWhereShallow => {
-            let distance = nearest.point.norm();
-            // Of a flat simplex, rounding may hide the way on. So near to contact the polytope finds it.
-            if distance < STALLED && distance - best.0 > EXACT {
-                return penetration(support, simplex.corners(), precision);
-            }
-            Gap { distance, normal: nearest.point / distance, points }
-        }
-        Precision::LowerBound => Gap { distance: best.0, normal: best.1, points },
+    if !exact {
+        return Gap { distance: best.0, normal: best.1, points };
     }
+    let distance = nearest.point.norm();
+    // Of a flat simplex, rounding may hide the way on. So near to contact the polytope finds it.
+    if distance < STALLED && distance - best.0 > EXACT {
+        return penetration(support, simplex.corners(), precision);
+    }
+    Gap { distance, normal: nearest.point / distance, points }
 }

@@ -149,13 +149,6 @@ pub struct LimbMotion {
     pub velocity: Vector3<f64>,
 }
 
-impl LimbMotion {
-    /// Of the root, which rests.
-    pub fn at_rest() -> LimbMotion {
-        LimbMotion { frame: Frame::identity(), omega: Vector3::zeros(), velocity: Vector3::zeros() }
-    }
-}
-
 /// Poses and motions of all limbs, given per degree of freedom what it does, and the axis and rate of its change in the
 /// frame before it: radians or metres per unit of time.
 pub(crate) fn limb_motions_into(
@@ -166,7 +159,12 @@ pub(crate) fn limb_motions_into(
     motions: &mut Vec<LimbMotion>,
 ) {
     motions.clear();
-    motions.push(LimbMotion::at_rest());
+    // The root rests.
+    motions.push(LimbMotion {
+        frame: Frame::identity(),
+        omega: Vector3::zeros(),
+        velocity: Vector3::zeros(),
+    });
     for (j, joint) in creature.joints().iter().enumerate() {
         let LimbMotion { mut frame, mut omega, mut velocity } = motions[joint.parent];
         let dofs = joint.dof_indices().map(|k| (k, &transforms[k]));

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::broad_phase::BroadPhase;
+use super::broad_phase::near_pairs;
 use super::relative_motion::{PairMotion, outlasts, until_zero};
 use super::straight_motion::StraightMotion;
 use super::touchable::{ClusterPair, Encounter, LimbCluster, TouchablePairs};
@@ -46,7 +46,6 @@ pub(super) struct ConservativeAdvancement {
     /// there are too many pairs to look at all.
     window: f64,
     growth: Vec<f64>,
-    broad_phase: BroadPhase,
     /// How each pair moves, and until when it is free.
     pairs: Vec<MovingPair>,
     free_until: Vec<f64>,
@@ -111,7 +110,6 @@ impl ConservativeAdvancement {
             window_end: 0.0,
             window: 0.0,
             growth: Vec::new(),
-            broad_phase: BroadPhase::default(),
             pairs: vec![MovingPair::default(); count],
             free_until: vec![0.0; count],
             planes: vec![PartingPlane::default(); touchable.geoms.len()],
@@ -175,7 +173,7 @@ impl ConservativeAdvancement {
         let mut near = std::mem::take(&mut self.near);
         near.clear();
         let touchable = &self.touchable;
-        self.broad_phase.pairs(&self.cluster_balls, &self.growth, FAR, |clusters| {
+        near_pairs(&self.cluster_balls, &self.growth, FAR, |clusters| {
             near.extend(touchable.pair_of(clusters).map(|k| k as u32));
         });
         near.sort_unstable();

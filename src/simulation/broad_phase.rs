@@ -3,38 +3,26 @@
 //! About each cluster lies a ball that grows as fast as any of its points can move. While two such balls are apart, so are
 //! their clusters. Balls are swept along the axis on which they are spread most.
 
+use super::sorted;
 use crate::geometry::Ball;
 
-/// Balls that grow with time, to be asked which come together.
-#[derive(Clone, Debug, Default)]
-pub(super) struct BroadPhase {
-    /// The ends of each ball's shadow on the axis, and its number; in the order of the lower ends.
-    shadows: Vec<(f64, f64, u32)>,
-}
-
-impl BroadPhase {
-    /// Hands on every two balls that come within `margin` of each other, metres, when each grows by its `growth`; the
-    /// lesser number first, in any order.
-    pub fn pairs(&mut self, balls: &[Ball], growth: &[f64], margin: f64, mut found: impl FnMut([usize; 2])) {
-        let grown = |k: usize| balls[k].radius + growth[k] + 0.5 * margin;
-        let axis = widest_axis(balls);
-        self.shadows.clear();
-        self.shadows.extend(balls.iter().enumerate().map(|(k, ball)| {
-            let (middle, half) = (ball.centre[axis], grown(k));
-            (middle - half, middle + half, k as u32)
-        }));
-        self.shadows.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        for (n, &(_, end, first)) in self.shadows.iter().enumerate() {
-            let first = first as usize;
-            for &(start, _, second) in &self.shadows[n + 1..] {
-                if start > end {
-                    break;
-                }
-                let second = second as usize;
-                let reach = grown(first) + grown(second);
-                if (balls[first].centre - balls[second].centre).norm_squared() <= reach * reach {
-                    found([first.min(second), first.max(second)]);
-                }
+/// Hands on every two balls that come within `margin` of each other, metres, when each grows by its `growth`; the
+/// lesser number first, in any order.
+pub(super) fn near_pairs(balls: &[Ball], growth: &[f64], margin: f64, mut found: impl FnMut([usize; 2])) {
+    let grown = |k: usize| balls[k].radius + growth[k] + 0.5 * margin;
+    let axis = widest_axis(balls);
+    // The ends of each ball's shadow on the axis, and its number; in the order of the lower ends.
+    let shadow = |(k, ball): (usize, &Ball)| {
+        let (middle, half) = (ball.centre[axis], grown(k));
+        (middle - half, middle + half, k)
+    };
+    let mut shadows: Vec<(f64, f64, usize)> = balls.iter().enumerate().map(shadow).collect();
+    shadows.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    for (n, &(_, end, first)) in shadows.iter().enumerate() {
+        for &(_, _, second) in shadows[n + 1..].iter().take_while(|(start, ..)| *start <= end) {
+            let reach = grown(first) + grown(second);
+            if (balls[first].centre - balls[second].centre).norm_squared() <= reach * reach {
+                found(sorted([first, second]));
             }
         }
     }
@@ -59,7 +47,6 @@ mod tests {
     #[test]
     fn sweeping_finds_what_looking_at_all_pairs_finds() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut phase = BroadPhase::default();
         for count in [0, 1, 2, 40, 200] {
             let balls: Vec<Ball> = (0..count)
                 .map(|_| Ball {
@@ -78,7 +65,7 @@ mod tests {
                 .filter(|&[i, j]| near(i, j))
                 .collect();
             let mut found = Vec::new();
-            phase.pairs(&balls, &growth, margin, |pair| found.push(pair));
+            near_pairs(&balls, &growth, margin, |pair| found.push(pair));
             found.sort_unstable();
             assert_eq!(found, all);
         }

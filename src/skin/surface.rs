@@ -44,12 +44,6 @@ impl Surface {
         self.as_capsule().is_some()
     }
 
-    /// A point of the limb in the shape's own axes.
-    #[inline]
-    fn to_shape(&self, p_l: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.tr_mul(&(p_l - self.origin))
-    }
-
     /// Its farthest point in a direction of any length, both in the limb's frame; none for a mesh without a hull.
     pub fn support(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
         let point = self.shape.support(&self.rotation.tr_mul(direction))?;
@@ -58,13 +52,13 @@ impl Surface {
 
     /// Whether a point of the limb's frame is deeper inside than `depth`, metres.
     pub fn holds(&self, p_l: &Vector3<f64>, depth: f64) -> bool {
-        self.shape.holds(&self.to_shape(p_l), depth)
+        self.shape.holds(&self.pose().inverse_point(p_l), depth)
     }
 
     /// Distance of a point to the surface, negative inside, and the outward unit normal there, both for
     /// the limb's frame; none for a mesh without a hull.
     pub fn signed_distance(&self, p_l: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-        let (distance, normal) = self.shape.signed_distance(&self.to_shape(p_l))?;
+        let (distance, normal) = self.shape.signed_distance(&self.pose().inverse_point(p_l))?;
         Some((distance, self.rotation * normal))
     }
 }

@@ -90,17 +90,11 @@ impl Carried {
 
 impl StageCore {
     /// Lets a thing be carried from now on, whatever carried it before; whether it is one that moves freely.
-    fn carry(&mut self, body: usize, by: Carrier) -> bool {
+    pub fn carry(&mut self, body: usize, by: Carrier) -> bool {
         let Some((qposadr, dofadr)) = self.free_joint(body) else { return false };
         self.carried.retain(|other| other.body != body);
         self.carried.push(Carried { body, qposadr, dofadr, by });
         true
-    }
-
-    /// Lets a thing go along a path alone; whether it is one that moves freely.
-    pub fn send_thing(&mut self, thing: usize, path: ProbePath) -> bool {
-        let turn = self.data.body_pose(thing).rotation;
-        self.carry(thing, Carrier::Path(path, turn))
     }
 
     /// Welds the thing that a receptor's limb touches to that limb; whether there was one.
@@ -143,8 +137,7 @@ impl StageCore {
         slender.then(|| (half_length, Isometry3::from_parts(only.pos.into(), only.quat)))
     }
 
-    /// Puts a stick into the hand of a receptor, which holds it: where one end of it is, metres, and where it leads from there, in
-    /// the hand's frame; whether the thing is a stick and meets nothing there.
+    /// See [`super::Stage::give_stick`].
     pub fn give_stick(
         &mut self,
         thing: usize,

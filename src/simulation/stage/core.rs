@@ -214,26 +214,6 @@ impl StageCore {
         Ok(())
     }
 
-    /// Lets a limb grow; see [`super::Stage::grow_limb`].
-    pub fn grow_limb(&mut self, limb: usize, length: f64) -> Result<()> {
-        self.look_for_self_touch()?;
-        let Some(segment) = limb.checked_sub(1).map(|joint| &self.body.segments[joint]) else {
-            return Ok(());
-        };
-        let position = self.untouched.body(segment.body).pos;
-        let Some(outward) = position.try_normalize(1e-6) else { return Ok(()) };
-        self.untouched = self.untouched.with_body_position(segment.body, &(position + outward * length))?;
-        let grown = Arc::new(self.untouched.touching_with(&self.touchable)?);
-        let mut data = Data::new(grown.clone())?;
-        data.take_state(&self.data)?;
-        data.forward()?;
-        Arc::make_mut(&mut self.body).model = grown;
-        self.reader = ContactReader::new(&self.body, self.agent.skin());
-        self.data = data;
-        self.stillness.disturb();
-        Ok(())
-    }
-
     /// Puts something elsewhere at once: changes the engine's coordinates and velocities.
     pub fn put(&mut self, change: impl FnOnce(&Self, &mut [f64], &mut [f64])) -> Result<()> {
         let (mut qpos, mut qvel) = (self.data.qpos().to_vec(), self.data.qvel().to_vec());

@@ -22,6 +22,7 @@ use nalgebra::{Isometry3, Vector3};
 
 pub use self::core::StepSenses;
 
+use self::carrying::Carrier;
 use self::core::StageCore;
 use super::{AgentHandle, ProbePath, Thing};
 use crate::agent::Agent;
@@ -29,7 +30,7 @@ use crate::creature::{Body, JointSelection, Posture, body_name};
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
 use crate::mujoco::Data;
-use crate::senses::{NewSense, Sense, SkinContact, TouchSensor};
+use crate::senses::{ContactReader, NewSense, Sense, SkinContact, TouchSensor};
 use crate::skin::Skin;
 
 /// What is on a stage beside what its file has.
@@ -182,7 +183,23 @@ impl Stage {
     /// # Panics
     /// Where there is no such limb.
     pub fn grow_limb(&self, limb: usize, length: f64) -> Result<()> {
-        self.core.borrow_mut().grow_limb(limb, length)
+        let core = &mut *self.core.borrow_mut();
+        core.look_for_self_touch()?;
+        let Some(segment) = limb.checked_sub(1).map(|joint| &core.body.segments[joint]) else {
+            return Ok(());
+        };
+        let position = core.untouched.body(segment.body).pos;
+        let Some(outward) = position.try_normalize(1e-6) else { return Ok(()) };
+        core.untouched = core.untouched.with_body_position(segment.body, &(position + outward * length))?;
+        let grown = Arc::new(core.untouched.touching_with(&core.touchable)?);
+        let mut data = Data::new(grown.clone())?;
+        data.take_state(&core.data)?;
+        data.forward()?;
+        Arc::make_mut(&mut core.body).model = grown;
+        core.reader = ContactReader::new(&core.body, core.agent.skin());
+        core.data = data;
+        core.stillness.disturb();
+        Ok(())
     }
 
     /// Lets a thing go along a path alone, whatever it meets.
@@ -190,7 +207,9 @@ impl Stage {
     /// # Panics
     /// Where it is no thing that moves.
     pub fn send_thing(&self, thing: usize, path: ProbePath) {
-        assert!(self.core.borrow_mut().send_thing(thing, path), "a thing that moves is sent");
+        let core = &mut *self.core.borrow_mut();
+        let turn = core.data.body_pose(thing).rotation;
+        assert!(core.carry(thing, Carrier::Path(path, turn)), "a thing that moves is sent");
     }
 
     /// Puts a stick into the hand of a receptor, which holds it: where one end of it is, metres, and where it leads from there, in

@@ -31,93 +31,91 @@ pub struct Patch {
     pub half_extents: [f64; 2],
 }
 
-/// The fewest cells that samples can be gathered in so that each has one outer side; with `edges`, so that
-/// none bends round one.
-pub fn fewest(samples: &[SurfaceSample], edges: bool, long_axis: &Vector3<f64>) -> usize {
-    let mean: Vector3<f64> = samples.iter().map(|s| s.1).sum::<Vector3<f64>>() / samples.len() as f64;
-    let least = if mean.norm() < ONE_SIDED { 2 } else { 1 };
-    let most = MOST_SIDES.min(samples.len());
-    if !edges {
-        return least.min(most);
-    }
-    // So heavy that only normals count.
-    let size = samples.iter().map(|s| s.0.norm_squared()).fold(0.0, f64::max);
-    let straight = |&count: &usize| {
-        let (centres, owner) = lloyd(samples, 100.0 * size, count, long_axis);
-        !bends(samples, &centres, &owner)
-    };
-    (least..most).find(straight).unwrap_or(most)
+/// What the cells of a surface are to be like.
+#[derive(Clone, Copy, Debug)]
+pub struct Tiling {
+    /// The area that a sample stands for, m².
+    pub share: f64,
+    /// The area of a cell, m².
+    pub area: f64,
+    /// Whether the surface has edges, which no cell should bend round.
+    pub edges: bool,
+    /// The direction that the patches' first sides follow.
+    pub long_axis: Vector3<f64>,
 }
 
-/// Gathers samples, each of `share` m², into `count` cells of about `area` and makes each a patch.
-///
-/// Large surfaces are cut in two across their longest side, and their halves again: the time that
-/// Lloyd's iteration takes grows with the samples and with the cells.
-pub fn cells(
-    samples: &[SurfaceSample],
-    share: f64,
-    area: f64,
-    count: usize,
-    edges: bool,
-    long_axis: &Vector3<f64>,
-) -> Vec<Patch> {
-    if count <= MOST_CELLS {
-        return gathered(samples, share, area, count, edges, long_axis);
-    }
-    let [low, high] = box_about(samples.iter().map(|sample| sample.0)).expect("there are samples");
-    let axis = (high - low).imax();
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(|a, b| a.0[axis].total_cmp(&b.0[axis]));
-    let first = count / 2;
-    let rest = sorted.split_off(samples.len() * first / count);
-    let halves = rayon::join(
-        || cells(&sorted, share, area, first, edges, long_axis),
-        || cells(&rest, share, area, count - first, edges, long_axis),
-    );
-    [halves.0, halves.1].concat()
-}
-
-/// The same without cutting.
-fn gathered(
-    samples: &[SurfaceSample],
-    share: f64,
-    area: f64,
-    count: usize,
-    edges: bool,
-    long_axis: &Vector3<f64>,
-) -> Vec<Patch> {
-    let mut weight = area;
-    let (mut centres, mut owner) = lloyd(samples, weight, count, long_axis);
-    for _ in 0..if edges { WEIGHTS } else { 0 } {
-        if !bends(samples, &centres, &owner) {
-            break;
+impl Tiling {
+    /// The fewest cells that samples can be gathered in so that each has one outer side and none bends round an edge.
+    pub fn fewest(&self, samples: &[SurfaceSample]) -> usize {
+        let mean: Vector3<f64> = samples.iter().map(|s| s.1).sum::<Vector3<f64>>() / samples.len() as f64;
+        let least = if mean.norm() < ONE_SIDED { 2 } else { 1 };
+        let most = MOST_SIDES.min(samples.len());
+        if !self.edges {
+            return least.min(most);
         }
-        weight *= 4.0;
-        (centres, owner) = lloyd(samples, weight, count, long_axis);
-    }
-    let mut of_cell: Vec<Vec<&SurfaceSample>> = vec![Vec::new(); centres.len()];
-    for (sample, &cell) in samples.iter().zip(&owner) {
-        of_cell[cell].push(sample);
-    }
-    let rim = 0.5 * share.sqrt();
-    let patch = |(members, &centre): (&Vec<&SurfaceSample>, &usize)| {
-        let (position, normal) = samples[centre];
-        let along = long_axis - normal * normal.dot(long_axis);
-        let tangent = along
-            .try_normalize(1e-3)
-            .unwrap_or_else(|| crate::geometry::tangent_basis(&normal).column(0).into());
-        let bitangent = normal.cross(&tangent);
-        let extent = |direction: &Vector3<f64>| {
-            members.iter().map(|s| (s.0 - position).dot(direction).abs()).fold(0.0, f64::max) + rim
+        // So heavy that only normals count.
+        let size = samples.iter().map(|s| s.0.norm_squared()).fold(0.0, f64::max);
+        let straight = |&count: &usize| {
+            let (centres, owner) = lloyd(samples, 100.0 * size, count, &self.long_axis);
+            !bends(samples, &centres, &owner)
         };
-        let axes = Matrix3::from_columns(&[tangent, bitangent, normal]);
-        Patch {
-            position,
-            orientation: UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)),
-            half_extents: [extent(&tangent), extent(&bitangent)],
+        (least..most).find(straight).unwrap_or(most)
+    }
+
+    /// Gathers samples into so many cells and makes each a patch.
+    ///
+    /// Large surfaces are cut in two across their longest side, and their halves again: the time that
+    /// Lloyd's iteration takes grows with the samples and with the cells.
+    pub fn patches(&self, samples: &[SurfaceSample], count: usize) -> Vec<Patch> {
+        if count <= MOST_CELLS {
+            return self.gathered(samples, count);
         }
-    };
-    of_cell.iter().zip(&centres).map(patch).collect()
+        let [low, high] = box_about(samples.iter().map(|sample| sample.0)).expect("there are samples");
+        let axis = (high - low).imax();
+        let mut sorted = samples.to_vec();
+        sorted.sort_by(|a, b| a.0[axis].total_cmp(&b.0[axis]));
+        let first = count / 2;
+        let rest = sorted.split_off(samples.len() * first / count);
+        let halves = rayon::join(|| self.patches(&sorted, first), || self.patches(&rest, count - first));
+        [halves.0, halves.1].concat()
+    }
+
+    /// The same without cutting.
+    fn gathered(&self, samples: &[SurfaceSample], count: usize) -> Vec<Patch> {
+        let Tiling { share, area, edges, long_axis } = self;
+        let mut weight = *area;
+        let (mut centres, mut owner) = lloyd(samples, weight, count, long_axis);
+        for _ in 0..if *edges { WEIGHTS } else { 0 } {
+            if !bends(samples, &centres, &owner) {
+                break;
+            }
+            weight *= 4.0;
+            (centres, owner) = lloyd(samples, weight, count, long_axis);
+        }
+        let mut of_cell: Vec<Vec<&SurfaceSample>> = vec![Vec::new(); centres.len()];
+        for (sample, &cell) in samples.iter().zip(&owner) {
+            of_cell[cell].push(sample);
+        }
+        let rim = 0.5 * share.sqrt();
+        let patch = |(members, &centre): (&Vec<&SurfaceSample>, &usize)| {
+            let (position, normal) = samples[centre];
+            let along = long_axis - normal * normal.dot(long_axis);
+            let tangent = along
+                .try_normalize(1e-3)
+                .unwrap_or_else(|| crate::geometry::tangent_basis(&normal).column(0).into());
+            let bitangent = normal.cross(&tangent);
+            let extent = |direction: &Vector3<f64>| {
+                members.iter().map(|s| (s.0 - position).dot(direction).abs()).fold(0.0, f64::max) + rim
+            };
+            let axes = Matrix3::from_columns(&[tangent, bitangent, normal]);
+            Patch {
+                position,
+                orientation: UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)),
+                half_extents: [extent(&tangent), extent(&bitangent)],
+            }
+        };
+        of_cell.iter().zip(&centres).map(patch).collect()
+    }
 }
 
 /// Whether any cell bends round an edge.

@@ -28,7 +28,7 @@ use crate::creature::{Body, body_name, matrix};
 use crate::error::Error;
 use crate::geometry::SurfaceSample;
 use crate::mujoco;
-use cells::Patch;
+use cells::{Patch, Tiling};
 use exposed::Exposure;
 use patch_size::Ground;
 
@@ -196,14 +196,9 @@ impl<'a> OwnReceptors<'a> {
 struct GeomCover {
     geom: usize,
     samples: Vec<SurfaceSample>,
-    /// The area that a sample stands for, m².
-    share: f64,
-    /// The area of a receptor, m².
-    area: f64,
+    tiling: Tiling,
     count: usize,
     fewest: usize,
-    edges: bool,
-    long_axis: Vector3<f64>,
 }
 
 impl GeomCover {
@@ -216,23 +211,24 @@ impl GeomCover {
         if samples.is_empty() || exposed < (REMNANT * area).min(REMNANT_OF_GEOM * surface.shape.area()) {
             return None;
         }
-        let edges = surface.shape.has_edges();
-        let long_axis: Vector3<f64> = surface.rotation.column(2).into();
-        let fewest = cells::fewest(&samples, edges, &long_axis);
+        let (edges, long_axis) = (surface.shape.has_edges(), surface.rotation.column(2).into());
+        let tiling = Tiling { share, area, edges, long_axis };
+        let fewest = tiling.fewest(&samples);
         let count = ((samples.len() as f64 * share / area).round() as usize).max(fewest).min(samples.len());
-        Some(GeomCover { geom, samples, share, area, count, fewest, edges, long_axis })
+        Some(GeomCover { geom, samples, tiling, count, fewest })
     }
 
     /// In the world's frame of the reference posture.
     fn patches(&self) -> Vec<Patch> {
-        cells::cells(&self.samples, self.share, self.area, self.count, self.edges, &self.long_axis)
+        self.tiling.patches(&self.samples, self.count)
     }
 }
 
 /// Shares out a number of receptors, in proportion to what each geom would have; none gets fewer than it needs
 /// to be covered, even if that makes more in all.
 fn distribute(covers: &mut [GeomCover], total: usize) {
-    let ideal: Vec<f64> = covers.iter().map(|p| p.samples.len() as f64 * p.share / p.area).collect();
+    let ideal = |cover: &GeomCover| cover.samples.len() as f64 * cover.tiling.share / cover.tiling.area;
+    let ideal: Vec<f64> = covers.iter().map(ideal).collect();
     let mut scarce = vec![false; covers.len()];
     loop {
         let fixed: usize = covers.iter().zip(&scarce).filter(|(_, s)| **s).map(|(p, _)| p.fewest).sum();
@@ -253,7 +249,7 @@ fn distribute(covers: &mut [GeomCover], total: usize) {
                 covers[k].count = (covers[k].count + 1).min(covers[k].samples.len());
             }
             for (cover, exact) in covers.iter_mut().zip(&ideal) {
-                cover.area *= exact / cover.count as f64;
+                cover.tiling.area *= exact / cover.count as f64;
             }
             return;
         }
