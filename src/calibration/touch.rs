@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::robot::{Form, Mover, Posed, Robot, Twist};
+use super::robot::{Form, Mover, Posed, Robot};
 use crate::geometry::{Frame, Gap, PlacedShape, Precision, Shape, gap};
+use crate::kinematics::Twist;
 
 /// What touched on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -27,26 +27,28 @@ pub struct Chain {
 impl Chain {
     /// The chain between limbs `a` and `b`.
     pub fn between(creature: &Creature, a: usize, b: usize) -> Chain {
-        let (mut x, mut y) = (a, b);
-        let mut sides = [Vec::new(), Vec::new()];
-        while x != y {
-            // A limb comes after its parent, so the larger index cannot be an ancestor of the smaller.
-            if x > y {
-                sides[0].push(x - 1);
-                x = creature.joints()[x - 1].parent;
-            } else {
-                sides[1].push(y - 1);
-                y = creature.joints()[y - 1].parent;
-            }
-        }
-        sides.iter_mut().for_each(|side| side.reverse());
-        Chain { ancestor: x, sides }
+        let (ancestor, limbs) = ways_apart(|limb| creature.joints()[limb - 1].parent, [a, b]);
+        Chain { ancestor, sides: limbs.map(|way| way.into_iter().map(|limb| limb - 1).collect()) }
     }
 
     /// All joints of the chain, both sides.
     pub fn joints(&self) -> impl Iterator<Item = usize> + Clone + '_ {
         self.sides.iter().flatten().copied()
     }
+}
+
+/// The common ancestor of two nodes of a tree in which nodes come after their parents, and the ways from there to either,
+/// ancestor's side first and without it.
+pub fn ways_apart(parent: impl Fn(usize) -> usize, mut nodes: [usize; 2]) -> (usize, [Vec<usize>; 2]) {
+    let mut ways = [Vec::new(), Vec::new()];
+    while nodes[0] != nodes[1] {
+        // The larger number cannot be an ancestor of the smaller.
+        let side = usize::from(nodes[1] > nodes[0]);
+        ways[side].push(nodes[side]);
+        nodes[side] = parent(nodes[side]);
+    }
+    ways.iter_mut().for_each(|way| way.reverse());
+    (nodes[0], ways)
 }
 
 /// One side of a chain at one posture: joints from the ancestor outwards, each a position and its

@@ -10,6 +10,7 @@
 //! along joints does so by it.
 
 use std::borrow::Borrow;
+use std::ops::Sub;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -138,15 +139,57 @@ pub fn limb_frames(creature: &Creature, schema: &BodySchema, posture: &[f64]) ->
     frames
 }
 
-/// A limb's pose and motion in the root limb's frame.
-#[derive(Clone, Copy, Debug)]
+/// How a rigid body moves with time, or with one parameter: the velocity of a point `p` of it is `linear + angular × p`, all in
+/// one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist {
+    /// Angular velocity, radians per unit.
+    pub angular: Vector3<f64>,
+    /// Velocity of the point of the body that is at the frame's origin, metres per unit.
+    pub linear: Vector3<f64>,
+}
+
+impl Twist {
+    /// Of what turns about an axis through a point.
+    #[inline]
+    pub fn turning(angular: Vector3<f64>, about: &Vector3<f64>) -> Twist {
+        Twist { angular, linear: about.cross(&angular) }
+    }
+
+    /// Of what shifts without turning.
+    #[inline]
+    pub fn shifting(linear: Vector3<f64>) -> Twist {
+        Twist { angular: Vector3::zeros(), linear }
+    }
+
+    /// The same so many times as fast.
+    pub fn scaled(&self, by: f64) -> Twist {
+        Twist { angular: self.angular * by, linear: self.linear * by }
+    }
+
+    /// The velocity of a point.
+    #[inline]
+    pub fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.linear + self.angular.cross(p)
+    }
+}
+
+impl Sub for Twist {
+    type Output = Twist;
+
+    #[inline]
+    fn sub(self, other: Twist) -> Twist {
+        Twist { angular: self.angular - other.angular, linear: self.linear - other.linear }
+    }
+}
+
+/// A limb's pose `X_RL` and its motion in the root limb's frame.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LimbMotion {
     /// `X_RL`.
     pub frame: Frame,
-    /// Angular velocity, radians per unit of time.
-    pub omega: Vector3<f64>,
-    /// Velocity of the point of the limb that is at the root frame's origin, metres per unit of time.
-    pub velocity: Vector3<f64>,
+    /// Per unit of time.
+    pub twist: Twist,
 }
 
 /// Poses and motions of all limbs, given per degree of freedom what it does, and the axis and rate of its change in the
@@ -160,25 +203,21 @@ pub(crate) fn limb_motions_into(
 ) {
     motions.clear();
     // The root rests.
-    motions.push(LimbMotion {
-        frame: Frame::identity(),
-        omega: Vector3::zeros(),
-        velocity: Vector3::zeros(),
-    });
+    motions.push(LimbMotion::default());
     for (j, joint) in creature.joints().iter().enumerate() {
-        let LimbMotion { mut frame, mut omega, mut velocity } = motions[joint.parent];
+        let LimbMotion { mut frame, mut twist } = motions[joint.parent];
         let dofs = joint.dof_indices().map(|k| (k, &transforms[k]));
         carry_through(schema, j, dofs, &mut frame, |k, transform, before| {
             let (axis, rate) = rate(k);
             match transform {
-                DofTransform::Slide { .. } => velocity += before.direction(&axis) * rate,
+                DofTransform::Slide { .. } => twist.linear += before.direction(&axis) * rate,
                 DofTransform::Hinge { .. } | DofTransform::Ball { .. } => {
                     let turning = before.direction(&(axis * rate));
-                    omega += turning;
-                    velocity -= turning.cross(&before.origin);
+                    twist.angular += turning;
+                    twist.linear -= turning.cross(&before.origin);
                 }
             }
         });
-        motions.push(LimbMotion { frame, omega, velocity });
+        motions.push(LimbMotion { frame, twist });
     }
 }

@@ -12,9 +12,9 @@ mod quadratic;
 mod relative_poses;
 mod rotation;
 
-pub use chain::{Chain, ChainSide, PoseJacobian, SideJacobian};
+pub use chain::{Chain, ChainSide, PoseJacobian, SideJacobian, ways_apart};
 pub(crate) use forward::{DofTransform, carry_through, joint_transforms, limb_motions_into};
-pub use forward::{LimbMotion, limb_frames};
+pub use forward::{LimbMotion, Twist, limb_frames};
 pub use freedom::{Feature, FreeMotions, Freedoms};
 pub use inverse::{InverseKinematics, REACHED, Reach};
 pub use place_chain::{Place, PlaceChain, Workspace};

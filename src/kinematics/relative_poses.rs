@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::chain::Chain;
-use super::forward::{DofTransform, carry_through, joint_transforms};
+use super::forward::{DofTransform, Twist, carry_through, joint_transforms};
 use crate::creature::Creature;
 use crate::geometry::Frame;
 use crate::schema::BodySchema;
@@ -33,8 +33,8 @@ struct MovedLimb {
 pub struct PosedLimbs {
     /// Per limb its pose.
     frames: Vec<Frame>,
-    /// Per column the angular velocity, and the velocity of what is at the root's origin.
-    twists: Vec<[Vector3<f64>; 2]>,
+    /// Per column how what it moves moves.
+    twists: Vec<Twist>,
 }
 
 impl<'a> RelativePoses<'a> {
@@ -70,7 +70,7 @@ impl<'a> RelativePoses<'a> {
     pub fn room(&self) -> PosedLimbs {
         PosedLimbs {
             frames: vec![Frame::identity(); self.creature.limbs().len()],
-            twists: vec![[Vector3::zeros(); 2]; self.creature.dof()],
+            twists: vec![Twist::default(); self.creature.dof()],
         }
     }
 
@@ -80,26 +80,18 @@ impl<'a> RelativePoses<'a> {
         for &j in &self.joints {
             let joint = &self.creature.joints()[j];
             let mut frame = frames[joint.parent];
-            carry_through(
-                self.schema,
-                j,
-                joint_transforms(joint, posture),
-                &mut frame,
-                |dof, transform, before| {
-                    let (axis, column) = (&self.schema.axes[dof], self.columns[dof]);
-                    let turning = |omega: Vector3<f64>| [omega, before.origin.cross(&omega)];
-                    match transform {
-                        DofTransform::Hinge { .. } => twists[column] = turning(before.direction(axis)),
-                        DofTransform::Slide { .. } => {
-                            twists[column] = [Vector3::zeros(), before.direction(axis)]
-                        }
-                        DofTransform::Ball { .. } => {
-                            (0..3)
-                                .for_each(|k| twists[column + k] = turning(before.rotation.column(k).into()));
-                        }
+            let visit = |dof: usize, transform: &DofTransform, before: &Frame| {
+                let (axis, column) = (&self.schema.axes[dof], self.columns[dof]);
+                let turning = |omega: Vector3<f64>| Twist::turning(omega, &before.origin);
+                match transform {
+                    DofTransform::Hinge { .. } => twists[column] = turning(before.direction(axis)),
+                    DofTransform::Slide { .. } => twists[column] = Twist::shifting(before.direction(axis)),
+                    DofTransform::Ball { .. } => {
+                        (0..3).for_each(|k| twists[column + k] = turning(before.rotation.column(k).into()));
                     }
-                },
-            );
+                }
+            };
+            carry_through(self.schema, j, joint_transforms(joint, posture), &mut frame, visit);
             frames[j + 1] = frame;
         }
     }
@@ -117,10 +109,9 @@ impl<'a> RelativePoses<'a> {
         let (width, MovedLimb { limb, columns }) = (self.creature.dof(), &self.limbs[k]);
         let (wrt, origin) = (posed.frames[self.wrt].inverse(), posed.frames[*limb].origin);
         for &(column, sign) in columns {
-            let [omega, velocity] = &posed.twists[column];
-            let of_origin = velocity + omega.cross(&origin);
+            let twist = &posed.twists[column];
             let turned = |v: &Vector3<f64>| if self.wrt == 0 { *v } else { wrt.direction(v) * sign };
-            let (velocity, omega) = (turned(&of_origin), turned(omega));
+            let (velocity, omega) = (turned(&twist.at(&origin)), turned(&twist.angular));
             for row in 0..3 {
                 jacobian[row * width + column] = velocity[row];
                 jacobian[(3 + row) * width + column] = omega[row];

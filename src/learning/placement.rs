@@ -13,7 +13,7 @@ use super::observability::{Observability, UNMOVED};
 use crate::agent::Agent;
 use crate::creature::{Creature, Posture};
 use crate::geometry::{Frame, tangent_basis};
-use crate::kinematics::{DofTransform, carry_through, joint_transforms, skew};
+use crate::kinematics::{DofTransform, Twist, carry_through, joint_transforms, skew};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -100,10 +100,10 @@ impl LimbTwists {
             let mut frame = frames[joint.parent];
             let mut rows = vec![0.0; 6 * width];
             // A parameter's twist, times what each direction does to the parameter.
-            let mut add = |parameter: usize, twist: [Vector3<f64>; 2]| {
+            let mut add = |parameter: usize, twist: Twist| {
                 let determined = found.covariance_factor().row(parameter);
                 let open = found.open_directions().row(parameter);
-                for (row, along) in twist.iter().flat_map(|part| part.iter()).enumerate() {
+                for (row, along) in twist.linear.iter().chain(&twist.angular).enumerate() {
                     if *along != 0.0 {
                         let steps = determined.iter().chain(open.iter());
                         let sums = rows[row * width..(row + 1) * width].iter_mut();
@@ -111,11 +111,8 @@ impl LimbTwists {
                     }
                 }
             };
-            let shift = |direction: Vector3<f64>| [direction, Vector3::zeros()];
-            // A turn about an axis through a point.
-            let turn = |omega: Vector3<f64>, at: &Vector3<f64>| [at.cross(&omega), omega];
             if let Some(offset) = found.parameters.positions[j] {
-                (0..3).for_each(|i| add(offset + i, shift(frame.rotation.column(i).into())));
+                (0..3).for_each(|i| add(offset + i, Twist::shifting(frame.rotation.column(i).into())));
             }
             carry_through(
                 schema,
@@ -132,10 +129,10 @@ impl LimbTwists {
                             DofTransform::Hinge { sine, versine } => {
                                 let omega =
                                     before.direction(&(across * *sine + axis.cross(&across) * *versine));
-                                add(offset + i, turn(omega, &before.origin));
+                                add(offset + i, Twist::turning(omega, &before.origin));
                             }
                             DofTransform::Slide { distance } => {
-                                add(offset + i, shift(before.direction(&across) * *distance));
+                                add(offset + i, Twist::shifting(before.direction(&across) * *distance));
                             }
                             DofTransform::Ball { .. } => {}
                         }
@@ -146,10 +143,12 @@ impl LimbTwists {
                 // The joint's side of the limb's pose.
                 let rotation = frame.rotation * pose.rotation.transpose();
                 if let Some(offset) = found.parameters.limb_origins[j] {
-                    (0..3).for_each(|i| add(offset + i, shift(rotation.column(i).into())));
+                    (0..3).for_each(|i| add(offset + i, Twist::shifting(rotation.column(i).into())));
                 }
                 if let Some(offset) = found.parameters.limb_rotations[j] {
-                    (0..3).for_each(|i| add(offset + i, turn(rotation.column(i).into(), &frame.origin)));
+                    (0..3).for_each(|i| {
+                        add(offset + i, Twist::turning(rotation.column(i).into(), &frame.origin))
+                    });
                 }
             }
             frames.push(frame);

@@ -260,7 +260,7 @@ impl ConservativeAdvancement {
         let side = usize::from(bound(0).reach > bound(1).reach);
         let Capsule { ends, radius } = bound(side).capsule;
         let limbs = pair.limbs();
-        let turning = (self.limbs[limbs[0]].omega - self.limbs[limbs[1]].omega).norm();
+        let turning = (self.limbs[limbs[0]].twist.angular - self.limbs[limbs[1]].twist.angular).norm();
         let motion = self.pair_motion(&pair);
         let fastest = ends
             .map(|end| self.limbs[limbs[side]].frame.point(&end))
@@ -325,7 +325,7 @@ impl ConservativeAdvancement {
         let pair = self.touchable.pairs[k];
         let acceleration = self.pairs[k].acceleration;
         let motion = self.pair_motion(&pair);
-        let spins = motion.sides.map(|side| side.omega.norm());
+        let spins = motion.sides.map(|side| side.angular.norm());
         // What limited the last look most likely limits this one: all that comes later need not be known exactly.
         let last = self.pairs[k].limiting as usize;
         let mut planes = std::mem::take(&mut self.planes);
@@ -493,7 +493,7 @@ impl ConservativeAdvancement {
             let bound = bound as usize;
             let capsule = self.touchable.bounds[bound].capsule.placed(&limb.frame);
             let centre = 0.5 * (capsule.ends[0] + capsule.ends[1]);
-            let velocity = limb.velocity + limb.omega.cross(&centre);
+            let velocity = limb.twist.at(&centre);
             self.world[bound] = capsule;
             self.balls[bound] = MovingBall { centre, velocity, ..self.balls[bound] };
         }

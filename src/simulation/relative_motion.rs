@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use crate::geometry::{Capsule, ConvexBody};
-use crate::kinematics::LimbMotion;
+use crate::kinematics::{LimbMotion, Twist};
 
 /// More than what rounding does to a gap, metres.
 const ROUNDING: f64 = 1e-9;
@@ -15,21 +15,6 @@ const ROUNDING: f64 = 1e-9;
 const CLOSE: f64 = 0.05;
 /// Most looks at one plane.
 const LOOKS: usize = 4;
-
-/// How a limb moves against another that rests, as [`LimbMotion`] has it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Twist {
-    pub omega: Vector3<f64>,
-    pub velocity: Vector3<f64>,
-}
-
-impl Twist {
-    /// Velocity of the limb's point that is at `p`.
-    #[inline]
-    pub fn velocity_at(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.velocity + self.omega.cross(p)
-    }
-}
 
 /// How the two limbs of a pair move against their common ancestor.
 #[derive(Clone, Copy, Debug)]
@@ -43,17 +28,14 @@ impl PairMotion {
     /// Of two limbs and their ancestor, all in one frame.
     #[inline]
     pub fn new(limbs: [&LimbMotion; 2], ancestor: &LimbMotion) -> PairMotion {
-        let sides = limbs.map(|limb| Twist {
-            omega: limb.omega - ancestor.omega,
-            velocity: limb.velocity - ancestor.velocity,
-        });
-        PairMotion { sides, ancestor_omega: ancestor.omega }
+        let sides = limbs.map(|limb| limb.twist - ancestor.twist);
+        PairMotion { sides, ancestor_omega: ancestor.twist.angular }
     }
 
     /// Velocity of a point of the first limb against one of the second.
     #[inline]
     pub fn relative_velocity(&self, points: &[Vector3<f64>; 2]) -> Vector3<f64> {
-        self.sides[0].velocity_at(&points[0]) - self.sides[1].velocity_at(&points[1])
+        self.sides[0].at(&points[0]) - self.sides[1].at(&points[1])
     }
 
     /// How long a plane of normal `n` keeps two capsules apart; where it is `heeded` or more, anything from there on.
@@ -72,7 +54,7 @@ impl PairMotion {
             let Capsule { ends, radius } = capsules[side];
             for (end, p) in ends.iter().enumerate() {
                 height[side][end] = sign * n.dot(p) - radius;
-                rate[side][end] = sign * n.dot(&self.sides[side].velocity_at(p));
+                rate[side][end] = sign * n.dot(&self.sides[side].at(p));
             }
         }
         let mut least = f64::INFINITY;
@@ -107,10 +89,10 @@ impl PairMotion {
             for (side, n) in [*n, -n].iter().enumerate() {
                 let twist: &Twist = &self.sides[side];
                 // n · (ω × p) = p · (n × ω): points turn as if the normal turned against them.
-                let turned = n + n.cross(&twist.omega) * time;
+                let turned = n + n.cross(&twist.angular) * time;
                 let p = bodies[side].support(&-turned);
-                gap += turned.dot(&p) + n.dot(&twist.velocity) * time;
-                opening += n.dot(&twist.velocity_at(&p));
+                gap += turned.dot(&p) + n.dot(&twist.linear) * time;
+                opening += n.dot(&twist.at(&p));
             }
             (gap, opening)
         };
@@ -175,7 +157,7 @@ mod tests {
                 origin: Vector3::new(x, 0.0, 0.0) + vector(0.02),
             });
             let placed = frames.map(|frame| PlacedShape::new(&boxed, Frame::identity(), frame).unwrap());
-            let sides = [0, 1].map(|_| Twist { omega: vector(2.0), velocity: vector(1.0) });
+            let sides = [0, 1].map(|_| Twist { angular: vector(2.0), linear: vector(1.0) });
             let motion = PairMotion { sides, ancestor_omega: Vector3::zeros() };
             let (n, acceleration) = ((Vector3::x() + vector(0.2)).normalize(), [0.0, 3.0][trial % 2]);
             let gap = |time: f64| {
@@ -185,7 +167,7 @@ mod tests {
                         let corner = half.component_mul(&Vector3::new(sign(0), sign(1), sign(2)));
                         frames[side].point(&corner)
                     });
-                    let heights = corners.map(|p| sign * n.dot(&(p + sides[side].velocity_at(&p) * time)));
+                    let heights = corners.map(|p| sign * n.dot(&(p + sides[side].at(&p) * time)));
                     heights.fold(f64::INFINITY, f64::min)
                 };
                 height(0, 1.0) + height(1, -1.0) - 0.5 * acceleration * time * time

@@ -167,7 +167,7 @@ mod tests {
                     let p = found.frame.point(&p_l);
                     assert!((p - now[limb].point(&p_l)).norm() < 1e-14);
                     let velocity = (after[limb].point(&p_l) - before[limb].point(&p_l)) / (2.0 * STEP);
-                    let told = found.velocity + found.omega.cross(&p);
+                    let told = found.twist.at(&p);
                     assert!((told - velocity).norm() < 1e-8, "limb {limb} at {t}: {told} for {velocity}");
                 }
             }

@@ -11,7 +11,7 @@ mod quantity;
 
 use nalgebra::Vector3;
 
-pub use pose::{Mover, Posed, Twist};
+pub use pose::{Mover, Posed};
 pub use quantity::{Knowledge, Quantity, Unit, Value};
 
 use crate::creature::DofKind;

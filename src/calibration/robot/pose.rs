@@ -5,38 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::{DofQuantities, Element, Robot, Value};
 use crate::creature::{DofKind, ball};
 use crate::geometry::{Frame, tangent_basis};
-use crate::kinematics::rotation;
+use crate::kinematics::{Twist, rotation, ways_apart};
 
 /// Rounds in which gravity's torques and the joints that give way to them settle.
 const SAGGING_ROUNDS: usize = 4;
-
-/// How a rigid body moves with one parameter: the velocity of a point `p` of it is `linear + angular × p`, all in one frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Twist {
-    /// Angular velocity.
-    pub angular: Vector3<f64>,
-    /// Velocity of the point of the body that is at the frame's origin.
-    pub linear: Vector3<f64>,
-}
-
-impl Twist {
-    fn turning(angular: Vector3<f64>, about: &Vector3<f64>) -> Twist {
-        Twist { angular, linear: about.cross(&angular) }
-    }
-
-    fn shifting(linear: Vector3<f64>) -> Twist {
-        Twist { angular: Vector3::zeros(), linear }
-    }
-
-    fn scaled(&self, by: f64) -> Twist {
-        Twist { angular: self.angular * by, linear: self.linear * by }
-    }
-
-    /// The velocity of a point.
-    pub fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.linear + self.angular.cross(p)
-    }
-}
 
 /// What moves a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +60,7 @@ impl<'a> Posed<'a> {
         let robot = self.robot;
         let mut torques = vec![0.0; robot.dofs.len()];
         for mass in &robot.masses {
-            let path = self.path_from(0, mass.link);
+            let [_, path] = self.paths([0, mass.link]);
             let mut twists = Vec::new();
             let frame = self.walk(&path, |mover, twist| twists.push((mover, twist)));
             let centre = frame.point(&mass.centre);
@@ -101,30 +73,9 @@ impl<'a> Posed<'a> {
         torques
     }
 
-    /// The links from below `ancestor` out to `link`.
-    fn path_from(&self, ancestor: usize, link: usize) -> Vec<usize> {
-        let mut path = Vec::new();
-        let mut at = link;
-        while at != ancestor {
-            path.push(at);
-            at = self.robot.links[at].parent;
-        }
-        path.reverse();
-        path
-    }
-
     /// The paths to two links from the last link that is on both ways.
-    pub fn paths(&self, [a, b]: [usize; 2]) -> [Vec<usize>; 2] {
-        let (mut x, mut y) = (a, b);
-        while x != y {
-            // A link comes after the one it is on.
-            if x > y {
-                x = self.robot.links[x].parent;
-            } else {
-                y = self.robot.links[y].parent;
-            }
-        }
-        [self.path_from(x, a), self.path_from(x, b)]
+    pub fn paths(&self, links: [usize; 2]) -> [Vec<usize>; 2] {
+        ways_apart(|link| self.robot.links[link].parent, links).1
     }
 
     /// `X_CL` at the end of a path, C where it begins.
