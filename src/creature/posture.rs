@@ -7,7 +7,7 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use super::{Creature, Dof, DofKind};
-use crate::geometry::wxyz;
+use crate::geometry::{random_direction, wxyz};
 use crate::named::listed;
 
 /// How far a coordinate may be beyond its range, radians or metres: degrees are rounded.
@@ -121,13 +121,7 @@ impl Posture {
             match dof.kind {
                 DofKind::Hinge | DofKind::Slide => posture.push(low + (high - low) * rng.random::<f64>()),
                 DofKind::Ball => {
-                    let axis = loop {
-                        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
-                        let squared: f64 = v.norm_squared();
-                        if squared > 1e-4 && squared < 1.0 {
-                            break Unit::new_normalize(v);
-                        }
-                    };
+                    let axis = Unit::new_unchecked(random_direction(rng));
                     let q = UnitQuaternion::from_axis_angle(&axis, high * rng.random::<f64>());
                     posture.extend(wxyz(&q));
                 }

@@ -98,6 +98,12 @@ pub(crate) fn wxyz(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
     [rotation.w, rotation.i, rotation.j, rotation.k]
 }
 
+/// The rotation that brings the z axis onto a direction by the shortest way, as MuJoCo has it.
+pub(crate) fn z_onto(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let opposite = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(opposite)
+}
+
 /// The product of two rotations, written out for the same reason.
 #[inline]
 pub(crate) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {

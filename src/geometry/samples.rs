@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
+use rand::{Rng, RngExt};
 
 use super::Shape;
 
@@ -65,6 +66,17 @@ pub fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
         let ring = (1.0 - z * z).sqrt();
         Vector3::new(ring * cos, ring * sin, z)
     })
+}
+
+/// A direction drawn uniformly from the sphere.
+pub fn random_direction(rng: &mut impl Rng) -> Vector3<f64> {
+    loop {
+        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+        let squared: f64 = v.norm_squared();
+        if squared > 1e-4 && squared < 1.0 {
+            return v / squared.sqrt();
+        }
+    }
 }
 
 /// A surface over the unit cube: evenly spread numbers give evenly spread points.

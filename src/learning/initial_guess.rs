@@ -1,24 +1,13 @@
 //! Initial guess schemas: what an agent believes before its first touch.
 
-use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 
 use crate::creature::{Creature, DofKind};
+pub use crate::geometry::random_direction;
 use crate::schema::BodySchema;
 
 /// The greatest length of the initial guess: "assign the segment lengths with small values" (IVA 2009, section 3.2).
 pub const GUESS_LENGTH: f64 = 0.02;
-
-/// A direction drawn uniformly from the sphere.
-pub fn random_direction(rng: &mut impl Rng) -> Vector3<f64> {
-    loop {
-        let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
-        let squared: f64 = v.norm_squared();
-        if squared > 1e-4 && squared < 1.0 {
-            return v / squared.sqrt();
-        }
-    }
-}
 
 /// Random axes and small lengths for every joint of the creature.
 pub fn random_guess(creature: &Creature, rng: &mut impl Rng) -> BodySchema {

@@ -12,7 +12,7 @@ use super::reduce::Reduced;
 use super::refusal::{Complaint, refusal};
 use super::source::whole_folder_of;
 use super::write::{Texts, numbered};
-use super::{Element, LeftOut, Refused, Source, element, set_compiler, urdf};
+use super::{Element, LeftOut, Refused, Source, element, move_assets, set_compiler, urdf};
 use crate::mujoco::{self, Compiler, Error, Model, Result};
 use crate::plausible::bounded;
 
@@ -86,7 +86,7 @@ impl Model {
     pub(crate) fn accepted(root: Element, path: &Path) -> Result<Element> {
         let loader = Loader { hulls: false, ..Loader::new()? };
         let mut mended = root.clone();
-        Ok(if loader.mended(&mut mended, path).is_ok() { mended } else { root })
+        Ok(if matches!(loader.mended(&mut mended, path), Ok(Ok(_))) { mended } else { root })
     }
 
     /// Compiles a model from MJCF text; files that it includes or takes meshes from are sought in the
@@ -170,10 +170,9 @@ impl Loader {
             "mujoco" => {
                 let mut root = source.root.clone();
                 self.prepare(&mut root, bodies);
-                match self.mended(&mut root, &source.path) {
+                match self.mended(&mut root, &source.path)? {
                     Ok(model) => return Ok((model, LeftOut::default())),
-                    Err(Failed::Engine(error)) => return Err(error),
-                    Err(Failed::Refused(complaint)) => Some(complaint),
+                    Err(complaint) => Some(complaint),
                 }
             }
             "robot" => None,
@@ -188,10 +187,9 @@ impl Loader {
         self.prepare(&mut reduced.root, bodies);
         source.root = Element::new("mujoco");
         loop {
-            let complaint = match self.mended(&mut reduced.root, &source.path) {
+            let complaint = match self.mended(&mut reduced.root, &source.path)? {
                 Ok(model) => return Ok((model, reduced.left_out)),
-                Err(Failed::Engine(error)) => return Err(error),
-                Err(Failed::Refused(complaint)) => complaint,
+                Err(complaint) => complaint,
             };
             // A mesh that the engine cannot use, such as a flat one, need not be the end of it.
             let element = complaint.element.and_then(|number| numbered(&mut reduced.root, number));
@@ -222,37 +220,26 @@ impl Loader {
         }
     }
 
-    /// Loads a tree whose assets are sought from the file `path`; where the engine asks for what changes nothing of where limbs
-    /// are, the tree gets it.
-    fn mended(&self, root: &mut Element, path: &Path) -> std::result::Result<Model, Failed> {
+    /// Loads a tree whose assets are sought from the file `path`, or returns why the engine refuses it; where the engine asks
+    /// for what changes nothing of where limbs are, the tree gets it.
+    ///
+    /// # Errors
+    /// If the engine itself fails.
+    fn mended(&self, root: &mut Element, path: &Path) -> Result<std::result::Result<Model, Complaint>> {
         loop {
             let mut anchored = root.clone();
-            anchor_assets(&mut anchored, path);
+            move_assets(&mut anchored, &whole_folder_of(path));
             let texts = Texts::new(&anchored, &Compiler::first_text());
             let words = match self.compiler.compile(&texts.texts)? {
-                Ok(model) if self.hulls => return Ok(with_hulls(model, &anchored, &self.compiler)),
-                Ok(model) => return Ok(model),
+                Ok(model) if self.hulls => return Ok(Ok(with_hulls(model, &anchored, &self.compiler))),
+                Ok(model) => return Ok(Ok(model)),
                 Err(words) => words,
             };
             let complaint = Complaint::new(&words, root, &texts);
             if !mend(root, &complaint) {
-                return Err(Failed::Refused(complaint));
+                return Ok(Err(complaint));
             }
         }
-    }
-}
-
-/// Why a tree was not loaded.
-enum Failed {
-    /// The engine refuses it.
-    Refused(Complaint),
-    /// The engine itself failed.
-    Engine(Error),
-}
-
-impl From<Error> for Failed {
-    fn from(error: Error) -> Failed {
-        Failed::Engine(error)
     }
 }
 
@@ -308,14 +295,4 @@ fn mend(root: &mut Element, complaint: &Complaint) -> bool {
     let impossible = has_inertia && says(&"inertia alternative");
     body.children.retain(|child| !impossible || child.name != "inertial");
     impossible
-}
-
-/// Lets a file's meshes and textures be found from anywhere: its folders for them become absolute.
-fn anchor_assets(root: &mut Element, path: &Path) {
-    let folder = whole_folder_of(path);
-    for name in ["meshdir", "texturedir"] {
-        let own = root.setting("compiler", name).unwrap_or_default();
-        let absolute = folder.join(own).display().to_string();
-        set_compiler(root, name, &absolute);
-    }
 }

@@ -1,6 +1,8 @@
 //! Model files as XML: reading them with a place for every element, putting what is newer than the engine in plain
 //! terms, and writing elements, sections, and the receptors' look, alike in every file of ours.
 
+use std::path::Path;
+
 mod checks;
 mod collada;
 mod defaults;
@@ -15,7 +17,6 @@ mod refusal;
 mod source;
 mod tree;
 mod urdf;
-mod urdf_names;
 mod urdf_tree;
 mod write;
 
@@ -48,4 +49,14 @@ pub(crate) fn set_compiler(root: &mut Element, name: &str, value: &str) {
     root.section("compiler");
     let sections = root.children.iter_mut().filter(|section| section.name == "compiler");
     sections.for_each(|compiler| compiler.set(name, value));
+}
+
+/// Sets the folders of meshes and textures, so that they are found from elsewhere by a path to the folder that they were sought
+/// from.
+pub(crate) fn move_assets(root: &mut Element, path: &Path) {
+    for folder in ["meshdir", "texturedir"] {
+        let own = root.setting("compiler", folder).unwrap_or_default();
+        let moved = path.join(own).display().to_string();
+        set_compiler(root, folder, &moved);
+    }
 }

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuat
 
 use super::tree::{Element, numbers};
 use super::write::exact;
+use crate::geometry::z_onto;
 
 /// The ways to give an orientation.
 pub(crate) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
@@ -65,7 +66,7 @@ impl Angles {
                 let matrix = Matrix3::from_columns(&[x, y, x.cross(&y)]);
                 Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)))
             }
-            ("zaxis", [x, y, z]) => Some(onto(&Vector3::new(*x, *y, *z).try_normalize(0.0)?)),
+            ("zaxis", [x, y, z]) => Some(z_onto(&Vector3::new(*x, *y, *z).try_normalize(0.0)?)),
             ("euler", [x, y, z]) => Some(self.euler([*x, *y, *z])),
             _ => None,
         }
@@ -77,12 +78,6 @@ impl Angles {
         let orientation = self.orientation(element).unwrap_or_default();
         Isometry3::from_parts(Translation3::from(position), orientation)
     }
-}
-
-/// The rotation that brings the z axis onto a direction by the shortest way, as MuJoCo has it.
-pub(super) fn onto(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
-    let opposite = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-    UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(opposite)
 }
 
 /// Writes a pose into an element, in place of the one it has; zero is left out.

@@ -9,12 +9,13 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::meshes::{MeshFolder, file_fault};
-use super::pose::{onto, set_pose};
+use super::pose::set_pose;
 use super::reduce::Reduced;
 use super::source::{LeftOut, Refused, Source};
 use super::tree::{Element, element};
 use super::urdf_tree::{Origin, UrdfJoint, UrdfKind, UrdfTree};
 use super::write::exact;
+use crate::geometry::z_onto;
 
 /// The link that stands for the world where it is the root.
 const WORLD: &str = "world";
@@ -124,7 +125,7 @@ impl Parts<'_> {
             }
             UrdfKind::Planar => {
                 let normal = axis.try_normalize(0.0).unwrap_or(Vector3::x());
-                let turn = onto(&normal);
+                let turn = z_onto(&normal);
                 return vec![
                     made("slide", format!("{name}_x"), &(turn * Vector3::x())),
                     made("slide", format!("{name}_y"), &(turn * Vector3::y())),

@@ -6,14 +6,41 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::source::{Refused, Source};
 use super::tree::Element;
-use super::urdf_names::{attribute_meant, element_meant, is_known};
-
 use crate::creature::UNLIMITED_SLIDE;
 use crate::geometry::{Frame, Shape};
+use crate::named::did_you_mean;
 use crate::plausible::bounded;
 
 /// Greatest angle of a roll, pitch or yaw that is taken for radians: a turn, and what rounding puts on top of it.
 pub(crate) const GREATEST_TURN: f64 = std::f64::consts::TAU + 0.01;
+
+/// Elements that URDF defines, by the element that they are in: a name close to one of these is likely a typo and would otherwise be
+/// silently ignored.
+const ELEMENTS: [(&str, &str); 7] = [
+    ("robot", "link joint material gazebo transmission mujoco ros2_control plugin sensor"),
+    ("link", "inertial visual collision contact sensor"),
+    ("joint", "origin parent child axis calibration dynamics limit mimic safety_controller"),
+    ("inertial", "origin mass inertia"),
+    ("collision", "origin geometry material name verbose contact_coefficients surface"),
+    ("visual", "origin geometry material name meterial plugin"),
+    ("geometry", "box cylinder sphere mesh capsule plane cone ellipsoid heightmap"),
+];
+/// Attributes, by their element.
+const ATTRIBUTES: [(&str, &str); 13] = [
+    ("origin", "xyz rpy quat_xyzw rotation"),
+    ("axis", "xyz rpy"),
+    ("parent", "link joint"),
+    ("child", "link joint"),
+    ("limit", "lower upper effort velocity acceleration deceleration jerk"),
+    ("mimic", "joint multiplier offset"),
+    ("mass", "value"),
+    ("box", "size"),
+    ("sphere", "radius"),
+    ("cylinder", "radius length"),
+    ("capsule", "radius length"),
+    ("mesh", "filename scale"),
+    ("joint", "name type"),
+];
 
 /// What a joint lets its child do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -376,4 +403,44 @@ fn check_names(source: &Source, element: &Element) -> Result<(), Refused> {
         }
         None => check_names(source, child),
     })
+}
+
+/// The element that is meant by one in an element called `parent`, where it is misspelt.
+fn element_meant(parent: &str, name: &str) -> Option<&'static str> {
+    meant(&ELEMENTS, parent, name)
+}
+
+/// The attribute that is meant by one of an element, where it is misspelt.
+fn attribute_meant(element: &str, name: &str) -> Option<&'static str> {
+    meant(&ATTRIBUTES, element, name)
+}
+
+/// Whether what is in an element is known here: what others have put in, is theirs.
+fn is_known(element: &str) -> bool {
+    ELEMENTS.iter().any(|(parent, _)| *parent == element)
+}
+
+fn meant(of: &[(&str, &'static str)], within: &str, name: &str) -> Option<&'static str> {
+    let (_, known) = of.iter().find(|(parent, _)| *parent == within)?;
+    let mut known = known.split(' ');
+    if known.clone().any(|known| known == name) { None } else { did_you_mean(name, &mut known) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_told_from_names_of_others() {
+        assert_eq!(element_meant("joint", "limi"), Some("limit"));
+        assert_eq!(element_meant("inertial", "orkgin"), Some("origin"));
+        assert_eq!(attribute_meant("origin", "xy"), Some("xyz"));
+        assert_eq!(attribute_meant("limit", "Lower"), Some("lower"));
+        for (parent, name) in
+            [("joint", "limit"), ("joint", "gazebo"), ("geometry", "octomap"), ("drake", "limi")]
+        {
+            assert_eq!(element_meant(parent, name), None, "{name}");
+        }
+        assert_eq!(attribute_meant("origin", "id"), None);
+    }
 }

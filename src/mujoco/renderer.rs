@@ -14,6 +14,7 @@ use super::error::{Error, Result};
 use super::ffi;
 use super::model::Model;
 use super::opengl::OffscreenContext;
+use crate::geometry::z_onto;
 
 /// Most marks of a picture: the largest skin with all its neighbours.
 pub const MOST_MARKS: usize = 100_000;
@@ -88,7 +89,7 @@ impl Mark {
     /// A rod with round ends.
     pub fn capsule(ends: [Point3<f64>; 2], radius: f64, rgba: [f32; 4]) -> Mark {
         let along = ends[1] - ends[0];
-        let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(half_turn);
+        let rotation = z_onto(&along);
         let middle = nalgebra::center(&ends[0], &ends[1]);
         let pose = Isometry3::from_parts(Translation3::from(middle.coords), rotation);
         let size = [radius, 0.5 * along.norm(), 0.0];
@@ -415,15 +416,10 @@ fn wall(camera: &ffi::mjvGLCamera) -> Mark {
     let [ahead, eye] = [camera.forward, camera.pos].map(|v| Vector3::from(v).cast::<f64>());
     // Wide enough for any lens and picture.
     let size = [4.0 * far, 4.0 * far, 1e-3 * far];
-    let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &ahead).unwrap_or_else(half_turn);
+    let rotation = z_onto(&ahead);
     let pose = Isometry3::from_parts(Translation3::from(eye + ahead * far), rotation);
     // With any light on it, it is as white as can be.
     Mark { kind: GeomKind::Box, size, pose, rgba: [1.0; 4], emission: 1.0 }
-}
-
-/// The rotation that turns z upside down.
-fn half_turn() -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
 }
 
 /// A camera as the engine has it.

@@ -103,7 +103,8 @@ impl StraightMotion {
             DofPath::Hinge { start, rate } => DofTransform::hinge(start + t * rate),
             DofPath::Slide { start, rate } => DofTransform::Slide { distance: start + t * rate },
             DofPath::Ball { start, axis, rate } => {
-                DofTransform::Ball { rotation: ball_at(start, axis, *rate, t) }
+                let (sine, cosine) = (t * rate).sin_cos();
+                DofTransform::Ball { rotation: rotation(axis, sine, 1.0 - cosine) * start }
             }
         }));
         let rate = |k: usize| match &self.paths[k] {
@@ -112,11 +113,6 @@ impl StraightMotion {
         };
         limb_motions_into(&self.creature, &self.schema, &self.transforms, rate, limbs);
     }
-}
-
-fn ball_at(start: &Matrix3<f64>, axis: &Vector3<f64>, rate: f64, t: f64) -> Matrix3<f64> {
-    let (sine, cosine) = (t * rate).sin_cos();
-    rotation(axis, sine, 1.0 - cosine) * start
 }
 
 #[cfg(test)]

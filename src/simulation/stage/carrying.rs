@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3
 use super::core::StageCore;
 use crate::creature::Body;
 use crate::error::Result;
-use crate::geometry::{tangent_basis, wxyz};
+use crate::geometry::{tangent_basis, wxyz, z_onto};
 use crate::mujoco::{Data, GeomKind};
 use crate::simulation::ProbePath;
 
@@ -148,10 +148,8 @@ impl StageCore {
         let limb = self.agent.skin().receptors[receptor].limb;
         let stick = self.stick(thing).zip(direction.try_normalize(1e-9));
         let Some(((half_length, middle), direction)) = stick else { return Ok(false) };
-        let turn = UnitQuaternion::rotation_between(&Vector3::z(), &direction)
-            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
         let place = Translation3::from(end + direction * half_length);
-        let pose = Isometry3::from_parts(place, turn) * middle.inverse();
+        let pose = Isometry3::from_parts(place, z_onto(&direction)) * middle.inverse();
         let given_from = Some(self.data.body_pose(thing));
         self.carry(thing, Carrier::Limb(Grip { limb, receptor, pose, given_from }));
         let before = [self.data.qpos().to_vec(), self.data.qvel().to_vec()];

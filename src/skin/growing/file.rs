@@ -9,7 +9,7 @@ use super::{GrowOptions, Sprout, sprouts};
 use crate::creature::{Body, JointSelection, body_name, free_name, joint_name};
 use crate::error::Error;
 use crate::geometry::{Shape, wxyz};
-use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, set_compiler, write};
+use crate::model_files::{Element, HALF_THICKNESS, Source, add_receptor_class, element, move_assets, write};
 use crate::mujoco::{JointKind, Model, ObjectKind, SensorKind};
 use crate::skin::from_model::{skin_of, touch_sites};
 
@@ -91,7 +91,12 @@ impl Grown {
     /// meshes and textures are told anew. Without a folder they stay as they are.
     pub fn text(&self, folder: Option<&Path>) -> String {
         let mut root = self.root.clone();
-        if let Some(way) = folder.and_then(|folder| way(folder, self.source.parent()?)) {
+        let from_file = |part: &Element| part.attributes.iter().any(|(name, _)| name.starts_with("file"));
+        let assets = root.all("asset").flat_map(|asset| &asset.children).any(from_file);
+        if let Some(way) = folder.filter(|_| assets).and_then(|folder| way(folder, self.source.parent()?)) {
+            if root.child("compiler").is_none() {
+                root.children.insert(0, Element::new("compiler"));
+            }
             move_assets(&mut root, &way);
         }
         write(&root)
@@ -238,25 +243,6 @@ fn way(from: &Path, to: &Path) -> Option<PathBuf> {
     let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     let up = from.components().skip(shared).map(|_| Path::new(".."));
     Some(up.chain(to.components().skip(shared).map(|part| Path::new(part.as_os_str()))).collect())
-}
-
-/// Sets the folders of meshes and textures, where any come from files, so that they are found from elsewhere.
-fn move_assets(root: &mut Element, way: &Path) {
-    let from_file = |asset: &Element| {
-        let mut parts = asset.children.iter();
-        parts.any(|part| part.attributes.iter().any(|(name, _)| name.starts_with("file")))
-    };
-    if !root.all("asset").any(from_file) {
-        return;
-    }
-    if root.child("compiler").is_none() {
-        root.children.insert(0, Element::new("compiler"));
-    }
-    for folder in ["meshdir", "texturedir"] {
-        let old = root.setting("compiler", folder).unwrap_or_default();
-        let new = way.join(old).display().to_string();
-        set_compiler(root, folder, &new);
-    }
 }
 
 /// Digits after the point: a micrometre, or less where receptors are small.
