@@ -90,15 +90,8 @@ impl Hull {
 
     /// The same solid with all lengths so many times as long, by a power of two: to the digit.
     pub(crate) fn scaled(&self, by: f64) -> Hull {
-        let vertices: Vec<Vector3<f64>> = self.vertices().iter().map(|v| v * by).collect();
-        Hull {
-            half_bounds: by * self.half_bounds,
-            farthest: FarthestPoint::new(&vertices),
-            polyhedron: Polyhedron { vertices, triangles: self.triangles().to_vec() },
-            planes: self.planes.iter().map(|(normal, offset)| (*normal, offset * by)).collect(),
-            middle: by * self.middle,
-            inradius: by * self.inradius,
-        }
+        let vertices = self.vertices().iter().map(|v| v * by).collect();
+        Hull::new(vertices, self.triangles().to_vec()).expect("a hull is one in any unit of length")
     }
 
     /// The corners, metres.

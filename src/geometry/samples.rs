@@ -42,10 +42,10 @@ impl Shape {
             }
             Shape::Mesh => Vec::new(),
             _ => {
-                let point = Parametrised::new(self);
+                let point = parametrised(self);
                 let candidates = (0..CANDIDATES * count).filter_map(|k| {
                     let along = |step: f64| (0.5 + step * k as f64).fract();
-                    point.at(STEPS.map(along))
+                    point(STEPS.map(along))
                 });
                 thinned(candidates, APART * (self.area() / count as f64).sqrt())
             }
@@ -79,64 +79,32 @@ pub fn random_direction(rng: &mut impl Rng) -> Vector3<f64> {
     }
 }
 
-/// A surface over the unit cube: evenly spread numbers give evenly spread points.
-enum Parametrised {
-    /// Flat faces: a corner, two sides, the normal, and the share of the area up to it and with it. Triangles
-    /// take the half of the parallelogram that is nearer to the corner.
-    Faces { faces: Vec<([Vector3<f64>; 3], Vector3<f64>, f64)>, triangles: bool },
-    /// A cylinder: radius, half length, share of the side in the area.
-    Cylinder { radius: f64, half_length: f64, side: f64 },
-    /// An ellipsoid: semi-axes, and its most area by area of the unit sphere.
-    Ellipsoid { semi_axes: Vector3<f64>, most: f64 },
-}
+/// A surface over the unit cube: evenly spread numbers from 0 to 1 give evenly spread points, or `None` if the area there is too
+/// small to have one.
+type Parametrisation = Box<dyn Fn([f64; 3]) -> Option<SurfaceSample>>;
 
-impl Parametrised {
-    fn new(shape: &Shape) -> Parametrised {
-        let cumulated = |faces: Vec<([Vector3<f64>; 3], Vector3<f64>, f64)>, triangles| {
-            let total: f64 = faces.iter().map(|face| face.2).sum();
-            let mut sum = 0.0;
-            let share = |(corners, normal, area)| {
-                sum += area / total;
-                (corners, normal, sum)
+/// A flat face: a corner and the two sides from there, the normal, and its area.
+type Face = ([Vector3<f64>; 3], Vector3<f64>, f64);
+
+/// The surface of a shape with edges, or of an ellipsoid.
+fn parametrised(shape: &Shape) -> Parametrisation {
+    match shape {
+        Shape::Box { half_extents } => {
+            let face = |axis: usize, sign: f64| {
+                let along = |k: usize| Vector3::ith(k % 3, half_extents[k % 3]);
+                let [u, v] = [along(axis + 1), along(axis + 2)];
+                let corner = along(axis) * sign - u - v;
+                ([corner, 2.0 * u, 2.0 * v], Vector3::ith(axis, sign), 4.0 * u.norm() * v.norm())
             };
-            Parametrised::Faces { faces: faces.into_iter().map(share).collect(), triangles }
-        };
-        match shape {
-            Shape::Box { half_extents } => {
-                let face = |axis: usize, sign: f64| {
-                    let along = |k: usize| Vector3::ith(k % 3, half_extents[k % 3]);
-                    let [u, v] = [along(axis + 1), along(axis + 2)];
-                    let corner = along(axis) * sign - u - v;
-                    ([corner, 2.0 * u, 2.0 * v], Vector3::ith(axis, sign), 4.0 * u.norm() * v.norm())
-                };
-                cumulated([0, 1, 2].into_iter().flat_map(|k| [face(k, 1.0), face(k, -1.0)]).collect(), false)
-            }
-            Shape::Hull(hull) => {
-                let face =
-                    |([a, b, c], normal, area): ([Vector3<f64>; 3], _, _)| ([a, b - a, c - a], normal, area);
-                cumulated(hull.faces().map(face).collect(), true)
-            }
-            &Shape::Cylinder { radius, half_length } => {
-                let side = 2.0 * half_length / (2.0 * half_length + radius);
-                Parametrised::Cylinder { radius, half_length, side }
-            }
-            other => {
-                let semi_axes = other.half_bounds();
-                Parametrised::Ellipsoid { semi_axes, most: semi_axes.product() / semi_axes.min() }
-            }
+            over_faces([0, 1, 2].into_iter().flat_map(|k| [face(k, 1.0), face(k, -1.0)]).collect(), false)
         }
-    }
-
-    /// The point for three numbers from 0 to 1; `None` if the area there is too small to have one.
-    fn at(&self, [s, t, w]: [f64; 3]) -> Option<SurfaceSample> {
-        match self {
-            Parametrised::Faces { faces, triangles } => {
-                let k = faces.partition_point(|face| face.2 <= w).min(faces.len() - 1);
-                let ([corner, u, v], normal, _) = faces[k];
-                let (s, t) = if *triangles && s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
-                Some((corner + u * s + v * t, normal))
-            }
-            &Parametrised::Cylinder { radius, half_length, side } => {
+        Shape::Hull(hull) => {
+            let face = |([a, b, c], normal, area): Face| ([a, b - a, c - a], normal, area);
+            over_faces(hull.faces().map(face).collect(), true)
+        }
+        &Shape::Cylinder { radius, half_length } => {
+            let side = 2.0 * half_length / (2.0 * half_length + radius);
+            Box::new(move |[s, t, w]| {
                 let across = Vector3::new((TAU * s).cos(), (TAU * s).sin(), 0.0);
                 Some(if w < side {
                     (across * radius + Vector3::z() * (half_length * (2.0 * t - 1.0)), across)
@@ -144,17 +112,39 @@ impl Parametrised {
                     let up = Vector3::z() * if w < 0.5 * (1.0 + side) { 1.0 } else { -1.0 };
                     (across * (radius * t.sqrt()) + up * half_length, up)
                 })
-            }
-            Parametrised::Ellipsoid { semi_axes, most } => {
+            })
+        }
+        other => {
+            let semi_axes = other.half_bounds();
+            // The most area by area of the unit sphere.
+            let most = semi_axes.product() / semi_axes.min();
+            Box::new(move |[s, t, w]| {
                 let z = 2.0 * s - 1.0;
                 let ring = (1.0 - z * z).sqrt();
                 let unit = Vector3::new(ring * (TAU * t).cos(), ring * (TAU * t).sin(), z);
-                let gradient = unit.component_div(semi_axes);
+                let gradient = unit.component_div(&semi_axes);
                 let stretch = semi_axes.product() * gradient.norm();
-                (w * most <= stretch).then(|| (unit.component_mul(semi_axes), gradient.normalize()))
-            }
+                (w * most <= stretch).then(|| (unit.component_mul(&semi_axes), gradient.normalize()))
+            })
         }
     }
+}
+
+/// Faces one after the other, each over its share of the area; triangles take the half of the parallelogram that is nearer to the
+/// corner.
+fn over_faces(mut faces: Vec<Face>, triangles: bool) -> Parametrisation {
+    let total: f64 = faces.iter().map(|face| face.2).sum();
+    let mut sum = 0.0;
+    for face in &mut faces {
+        sum += face.2 / total;
+        face.2 = sum;
+    }
+    Box::new(move |[s, t, w]| {
+        let k = faces.partition_point(|face| face.2 <= w).min(faces.len() - 1);
+        let ([corner, u, v], normal, _) = faces[k];
+        let (s, t) = if triangles && s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
+        Some((corner + u * s + v * t, normal))
+    })
 }
 
 /// The candidates that keep `apart` from all kept before them.

@@ -1,6 +1,6 @@
 //! The engine's compiler: a model from texts, and the text of a model.
 
-use std::ffi::CString;
+use std::ffi::{CString, c_char};
 use std::ptr::NonNull;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -49,21 +49,11 @@ impl Compiler {
     /// [`Error::Engine`] where it has no room for them.
     pub fn compile(&self, texts: &[(String, String)]) -> Result<std::result::Result<Model, String>> {
         let vfs = Vfs::new(texts)?;
-        let mut message = vec![0u8; MESSAGE_BYTES];
-        let outcome = engine::guarded("mj_loadXML", || {
+        let (outcome, message) = with_message("mj_loadXML", |buffer, bytes| {
             // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the file system is
             // initialised. The lock keeps other loads away.
-            unsafe {
-                ffi::mj_loadXML(
-                    vfs::FILE.as_ptr(),
-                    vfs.as_ptr(),
-                    message.as_mut_ptr().cast(),
-                    MESSAGE_BYTES as i32,
-                )
-            }
+            unsafe { ffi::mj_loadXML(vfs::FILE.as_ptr(), vfs.as_ptr(), buffer, bytes) }
         });
-        // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
-        let message = unsafe { engine::text(message.as_ptr().cast()) };
         let raw = match outcome {
             Ok(raw) => raw,
             Err(Error::Engine { message, .. }) => return Ok(Err(message)),
@@ -93,23 +83,13 @@ impl Compiler {
         let Ok(name) = CString::new(file.as_os_str().as_encoded_bytes()) else {
             return Ok(Err("the folder for temporary files has a zero byte in its name".into()));
         };
-        let mut message = vec![0u8; MESSAGE_BYTES];
-        let saved = engine::guarded("mj_saveLastXML", || {
+        let (saved, message) = with_message("mj_saveLastXML", |buffer, bytes| {
             // SAFETY: name and buffer outlive the call, the buffer's length is its own, and the lock keeps
             // loads away from the engine's copy of the model.
-            unsafe {
-                ffi::mj_saveLastXML(
-                    name.as_ptr(),
-                    last.raw.as_ptr(),
-                    message.as_mut_ptr().cast(),
-                    MESSAGE_BYTES as i32,
-                )
-            }
+            unsafe { ffi::mj_saveLastXML(name.as_ptr(), last.raw.as_ptr(), buffer, bytes) }
         });
         let text = std::fs::read_to_string(&file);
         let _ = std::fs::remove_file(&file);
-        // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
-        let message = unsafe { engine::text(message.as_ptr().cast()) };
         Ok(match (saved?, text) {
             (0, _) => Err(format!("MuJoCo cannot write it out: {message}")),
             (_, text) => {
@@ -117,4 +97,12 @@ impl Compiler {
             }
         })
     }
+}
+
+/// What a call of the engine comes to that is given a buffer for words and its length, and these words.
+fn with_message<T>(call: &'static str, run: impl FnOnce(*mut c_char, i32) -> T) -> (Result<T>, String) {
+    let mut buffer = vec![0u8; MESSAGE_BYTES];
+    let outcome = engine::guarded(call, || run(buffer.as_mut_ptr().cast(), MESSAGE_BYTES as i32));
+    // SAFETY: the engine ends what it writes with a zero byte, and the buffer began as zeros.
+    (outcome, unsafe { engine::text(buffer.as_ptr().cast()) })
 }
