@@ -23,8 +23,6 @@ const LAST_DIRECTION_LENGTH: f64 = 5e-4;
 const STEPS: [usize; 2] = [15, 15];
 /// How far steps go.
 const DAMPING: Damping = Damping { damping: 0.01, longest: 0.4 };
-/// The share of the way to the rest posture that is left free and gone in one step.
-const EASE: f64 = 0.2;
 
 /// A posture that brings two places together, as far as it can.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +140,7 @@ impl<'a> InverseKinematics<'a> {
                         row
                     },
                     &wanted,
-                    ease.as_deref().map(|ease| (EASE, ease)),
+                    ease.as_deref(),
                     DAMPING,
                     &mut workspace,
                 );

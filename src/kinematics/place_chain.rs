@@ -82,6 +82,8 @@ const INNER: f64 = 0.5;
 const OUTER: f64 = 0.99;
 /// A step that leaves more than this share of the way has come to a stop.
 const STOPPED: f64 = 0.9;
+/// The share of the way to the rest posture that is left free and gone in one step.
+const EASE: f64 = 0.2;
 
 /// How the first place moves against the second with one coordinate, or a ball's turn about one axis.
 #[derive(Clone, Copy, Debug)]
@@ -297,7 +299,7 @@ impl PlaceChain {
         q: &mut [f64],
         rows: impl Fn(&Column) -> SVector<f64, N>,
         wanted: &SVector<f64, N>,
-        ease: Option<(f64, &[f64])>,
+        at_ease: Option<&[f64]>,
         damping: Damping,
         workspace: &mut Workspace,
     ) {
@@ -308,9 +310,9 @@ impl PlaceChain {
         steps.resize(columns.len(), 0.0);
         let eased = |column: &Column| {
             let link = &self.links[column.link];
-            match ease {
-                Some((share, at_ease)) if link.kind != DofKind::Ball && link.follows.is_none() => {
-                    share * (at_ease[link.at] - q[link.at])
+            match at_ease {
+                Some(at_ease) if link.kind != DofKind::Ball && link.follows.is_none() => {
+                    EASE * (at_ease[link.at] - q[link.at])
                 }
                 _ => 0.0,
             }
@@ -322,7 +324,7 @@ impl PlaceChain {
             for (column, _) in columns.iter().zip(held.iter()).filter(|(_, held)| !**held) {
                 let row = rows(column);
                 normal.ger(1.0, &row, &row, 1.0);
-                if ease.is_some() {
+                if at_ease.is_some() {
                     rest -= row * eased(column);
                 }
             }

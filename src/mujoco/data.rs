@@ -265,7 +265,7 @@ impl Data {
     /// Computes all that a picture shows: poses, centres of mass, cameras, lights and tendons.
     pub(super) fn place(&mut self) -> Result<()> {
         self.kinematics()?;
-        self.com_pos()?;
+        self.run("mj_comPos", ffi::mj_comPos)?;
         self.run("mj_camlight", ffi::mj_camlight)?;
         self.run("mj_tendon", ffi::mj_tendon)
     }
@@ -274,14 +274,6 @@ impl Data {
     /// For calls of the engine that take the data as theirs.
     pub(super) fn raw_mut(&mut self) -> *mut ffi::mjData {
         self.raw.as_ptr()
-    }
-
-    /// Computes centres of mass and what Jacobians need; after [`Data::kinematics`].
-    ///
-    /// # Errors
-    /// As [`Data::kinematics`].
-    pub fn com_pos(&mut self) -> Result<()> {
-        self.run("mj_comPos", ffi::mj_comPos)
     }
 
     /// Finds the contacts; after [`Data::kinematics`].

@@ -123,9 +123,6 @@ pub struct Geom<'m> {
     pub conaffinity: u32,
     /// Its visibility group.
     pub group: i32,
-    /// The distance below which a contact is reported, in metres, to which the other geom's adds
-    /// or of which the greater counts, as the version has it.
-    pub margin: f64,
     /// Radius of the sphere about its centre that holds it, in metres; 0 for a plane.
     pub rbound: f64,
 }
@@ -229,9 +226,7 @@ pub struct Site<'m> {
 
 /// A sensor: some numbers of [`Data::sensordata`](super::Data::sensordata).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sensor<'m> {
-    /// Its name in the file, if it has one.
-    pub name: Option<&'m str>,
+pub struct Sensor {
     /// What it measures.
     pub kind: SensorKind,
     /// The type of what it is attached to.

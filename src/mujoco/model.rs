@@ -233,7 +233,6 @@ impl Model {
             contype: array!(self, geom_contype[ngeom])[i] as u32,
             conaffinity: array!(self, geom_conaffinity[ngeom])[i] as u32,
             group: array!(self, geom_group[ngeom])[i],
-            margin: array!(self, geom_margin[ngeom])[i],
             rbound: array!(self, geom_rbound[ngeom])[i],
         }
     }
@@ -332,9 +331,8 @@ impl Model {
     }
 
     /// Sensor `i`.
-    pub fn sensor(&self, i: usize) -> Sensor<'_> {
+    pub fn sensor(&self, i: usize) -> Sensor {
         Sensor {
-            name: self.name(ObjectKind::Sensor, i),
             kind: SensorKind::from_raw(array!(self, sensor_type[nsensor])[i]),
             object: ObjectKind::from_raw(array!(self, sensor_objtype[nsensor])[i]),
             id: usize::try_from(array!(self, sensor_objid[nsensor])[i]).ok(),
@@ -383,7 +381,7 @@ impl Model {
     }
 
     /// All sensors.
-    pub fn sensors(&self) -> impl ExactSizeIterator<Item = Sensor<'_>> {
+    pub fn sensors(&self) -> impl ExactSizeIterator<Item = Sensor> {
         (0..self.nsensor()).map(|i| self.sensor(i))
     }
 
