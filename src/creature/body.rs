@@ -72,9 +72,6 @@ impl Body {
     }
 
     /// `X_WL` of every limb at the reference posture: its joint's anchor, the root's orientation.
-    ///
-    /// # Errors
-    /// Where the engine fails.
     pub fn reference_frames(&self, data: &Data) -> Vec<Isometry3<f64>> {
         let root = data.body_pose(self.root);
         let mut frames = vec![root];
