@@ -3,14 +3,13 @@
 //! A limb holds what it touches from where that is. A stick, one slender capsule or cylinder that moves freely, is put into a
 //! hand by a partner, who sees it: one end at the receptor that holds it, until he takes it back to where it was.
 
-use nalgebra::{Isometry3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Rotation3, Translation3, Unit, Vector3};
 
+use super::carried::{Carried, Carrier, Grip};
 use super::core::StageCore;
-use crate::creature::Body;
 use crate::error::Result;
-use crate::geometry::{tangent_basis, wxyz, z_onto};
-use crate::mujoco::{Data, GeomKind};
-use crate::simulation::ProbePath;
+use crate::geometry::{tangent_basis, z_onto};
+use crate::mujoco::GeomKind;
 
 /// A stick is so many times as long as it is thick, at the least.
 const SLENDER: f64 = 5.0;
@@ -18,75 +17,6 @@ const SLENDER: f64 = 5.0;
 const LEANING: f64 = 0.4;
 /// Directions about where the hand points in which a stick may lean, of which the first that keeps it clear is taken.
 const DIRECTIONS: usize = 8;
-
-/// A thing that does not move independently for now.
-pub struct Carried {
-    /// The model's body.
-    pub body: usize,
-    /// Where its coordinates and velocities start.
-    pub qposadr: usize,
-    pub dofadr: usize,
-    pub by: Carrier,
-}
-
-/// What carries a thing.
-pub enum Carrier {
-    /// A limb that holds it.
-    Limb(Grip),
-    /// A path of its origin through the world, and its orientation.
-    Path(ProbePath, UnitQuaternion<f64>),
-}
-
-/// How a limb holds a thing.
-pub struct Grip {
-    pub limb: usize,
-    /// The receptor that it is held with.
-    pub receptor: usize,
-    /// `X_LT`.
-    pub pose: Isometry3<f64>,
-    /// `X_WT` of where a partner took it from who put it into the hand, and takes it back to; `None` if the limb took it.
-    pub given_from: Option<Isometry3<f64>>,
-}
-
-impl Carried {
-    /// The grip, where a limb holds it.
-    pub fn grip(&self) -> Option<&Grip> {
-        match &self.by {
-            Carrier::Limb(grip) => Some(grip),
-            Carrier::Path(..) => None,
-        }
-    }
-
-    /// `X_WT` of where a partner took it from who put it into the hand.
-    pub fn given_from(&self) -> Option<Isometry3<f64>> {
-        self.grip()?.given_from
-    }
-
-    /// Puts it where it is carried to, at the end of a step from one time to another; `data` has the creature's poses of
-    /// then.
-    pub fn put(&self, body: &Body, data: &Data, [from, to]: [f64; 2], qpos: &mut [f64], qvel: &mut [f64]) {
-        // What a limb holds goes with it; what goes by itself has a velocity of its own.
-        let (pose, velocity) = match &self.by {
-            Carrier::Limb(grip) => {
-                (body.limb_pose(data, grip.limb).unwrap_or_default() * grip.pose, Vector3::zeros())
-            }
-            Carrier::Path(path, turn) => {
-                let [before, now] = [from, to].map(|time| path.at(time).unwrap_or_default());
-                (Isometry3::from_parts(Translation3::from(now), *turn), (now - before) / (to - from))
-            }
-        };
-        self.put_at(&pose, &velocity, qpos, qvel);
-    }
-
-    /// Puts it to a pose `X_WT`, at a velocity.
-    pub fn put_at(&self, pose: &Isometry3<f64>, velocity: &Vector3<f64>, qpos: &mut [f64], qvel: &mut [f64]) {
-        let (q, v) = (self.qposadr, self.dofadr);
-        qpos[q..q + 3].copy_from_slice(pose.translation.vector.as_slice());
-        qpos[q + 3..q + 7].copy_from_slice(&wxyz(&pose.rotation));
-        qvel[v..v + 3].copy_from_slice(velocity.as_slice());
-        qvel[v + 3..v + 6].fill(0.0);
-    }
-}
 
 impl StageCore {
     /// Lets a thing be carried from now on, whatever carried it before; whether it is one that moves freely.

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::carrying::Carried;
+use super::carried::Carried;
 use super::stillness::Stillness;
 use crate::agent::Agent;
 use crate::creature::{Body, Posture};

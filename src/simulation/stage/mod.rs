@@ -9,6 +9,7 @@
 //! that the creature has of it.
 
 mod building;
+mod carried;
 mod carrying;
 mod core;
 mod stillness;
@@ -22,7 +23,7 @@ use nalgebra::{Isometry3, Vector3};
 
 pub use self::core::StepSenses;
 
-use self::carrying::Carrier;
+use self::carried::Carrier;
 use self::core::StageCore;
 use super::{AgentHandle, ProbePath, Thing};
 use crate::agent::Agent;
