@@ -226,11 +226,13 @@ pub(crate) fn json_reason(error: &serde_json::Error) -> String {
         return "it ends in the middle".into();
     }
     let text = error.to_string();
-    match text.rfind(" at line ") {
-        Some(end) if error.column() > 0 => format!("{} in column {}", &text[..end], error.column()),
-        Some(end) => text[..end].to_string(),
-        None => text,
-    }
+    let reason = text.rfind(" at line ").map_or(text.as_str(), |end| &text[..end]);
+    // To a reader of the file, a type of this program is an object.
+    let reason = match reason.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected an object"),
+        None => reason.to_string(),
+    };
+    if error.column() > 0 { format!("{reason} in column {}", error.column()) } else { reason }
 }
 
 /// A sentence without the middle of what is too long to be read, such as a word of a file that was none.

@@ -32,7 +32,6 @@ impl RecordedAccount {
 
 /// An account as it is written.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub(super) struct AccountEntry {
     basis: Basis,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -45,7 +44,6 @@ pub(super) struct AccountEntry {
 
 /// How far off the skin of limbs may be in each other's frames, as it is written.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct PlacedEntry {
     /// Standard deviation of the points that touches tell, metres; 0 where they tell surfaces.
     point_deviation: f64,
@@ -57,7 +55,6 @@ struct PlacedEntry {
 
 /// A limb that has skin.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct PlacedLimb {
     limb: String,
     /// Its touches that support the schema.
@@ -72,7 +69,6 @@ struct PlacedLimb {
 
 /// What touches determine, as it is written: the information that they hold, from which all else follows.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct DeterminedEntry {
     /// The joints of which position and axes are parameters, by name: three coordinates of the position, then two
     /// across each axis that is no ball's, joint by joint.

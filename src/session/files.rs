@@ -142,11 +142,6 @@ pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Makes a folder and those above it where they are missing.
-pub(super) fn make_folder(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(Error::unwritable(folder))
-}
-
 /// The bytes of a file, or what comes through a pipe.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
     given_file::read(path).map_err(Error::unreadable(path))
@@ -157,11 +152,16 @@ pub(super) fn open(path: &Path) -> Result<File, Error> {
     given_file::open(path).map_err(Error::unreadable(path))
 }
 
-/// Writes a value as JSON that people can read, whole or not at all; its folder is made if missing.
+/// Writes a file of results, whole or not at all. The folders above it are made, and go again where it cannot be written.
+pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
+    let written = MadeFolders::make(folder_of(path)).and_then(|_made| write_whole(path, content.as_ref()));
+    written.map_err(Error::unwritable(path))
+}
+
+/// Writes a value as JSON that people can read, as [`write`] does.
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
     let json = serde_json::to_string_pretty(value).map_err(|error| Error::unwritable(path)(error.into()))?;
-    make_folder(folder_of(path))?;
-    write_whole(path, (on_lines(&json) + "\n").as_bytes()).map_err(Error::unwritable(path))
+    write(path, on_lines(&json) + "\n")
 }
 
 /// JSON of one field a line, with every array of plain values on one line.

@@ -22,7 +22,7 @@ use crate::schema::BodySchema;
 use crate::senses::DisturbedSenses;
 use crate::session::{
     Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, PROGRAM, RecordedAccount, SCHEMA_FILE,
-    Session, write_learning_table, write_schema, write_whole,
+    Session, files, write_learning_table, write_schema,
 };
 
 /// What learning from a session came to.
@@ -135,8 +135,7 @@ pub fn learn_session(
     let creature = agent.creature();
     let std = learned.schema_std(creature);
     write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
-    let path = folder.join(LEARNED_FILE);
-    write_whole(&path, to_mjcf(agent, &learned.schema).as_bytes()).map_err(Error::unwritable(&path))?;
+    files::write(&folder.join(LEARNED_FILE), to_mjcf(agent, &learned.schema))?;
     record.write(folder, creature)?;
     Ok(LearnedSession { learned, record, ended_by, evaluation, own_account, undisturbed_heldout_mm })
 }

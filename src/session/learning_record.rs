@@ -24,7 +24,6 @@ pub(super) const CHANGE: &str = "change";
 ///
 /// In the file, the format's name and version come before these fields.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct LearningRecord {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
     pub program: String,
@@ -81,7 +80,6 @@ pub struct Checkpoint {
 
 /// A checkpoint as it is written.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct CheckpointEntry {
     touches: usize,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -93,7 +91,6 @@ struct CheckpointEntry {
 
 /// The record as it is written, with what has names of the creature's.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct LearningFile {
     #[serde(flatten)]
     record: LearningRecord,

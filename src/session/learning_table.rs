@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{LEARNING_FILE, files, write_whole};
+use super::{LEARNING_FILE, files};
 
 /// Touches of a log at the most.
 const MOST_TOUCHES: usize = 100_000_000;
@@ -52,14 +52,13 @@ pub struct LearningRow {
 /// # Errors
 /// If the folder or the file cannot be written.
 pub fn write_learning_table(folder: &Path, rows: &[LearningRow]) -> Result<(), Error> {
-    files::make_folder(folder)?;
     let path = folder.join(LEARNING_FILE);
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         writer.serialize(row).map_err(io::Error::other).map_err(Error::unwritable(&path))?;
     }
     let table = writer.into_inner().map_err(|error| Error::unwritable(&path)(error.into_error()))?;
-    write_whole(&path, &table).map_err(Error::unwritable(&path))
+    files::write(&path, table)
 }
 
 /// A number that no measure can have leaves its cell empty.

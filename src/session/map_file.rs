@@ -13,7 +13,6 @@ const STAMP: Stamp = Stamp { format: "bodyschema map", version: 1 };
 
 /// What a file has beside its stamp.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct MapContent {
     creature: String,
     /// Per receptor its neighbours, nearest first.

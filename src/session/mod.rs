@@ -29,7 +29,6 @@ mod space;
 mod stamp;
 mod strokes;
 mod touch_log;
-mod touch_writer;
 
 pub use account::RecordedAccount;
 pub use babbling::{BabbledSession, BabblingSession, Provenance, SessionSetup};
@@ -61,8 +60,7 @@ pub use session_body::{model_hash, own_body};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
 pub use space::{SpaceRecord, SpaceSlice};
 pub use strokes::{StrokedSession, read_firings, record_strokes, write_firings};
-pub use touch_log::{TouchLog, read_touches};
-pub use touch_writer::TouchWriter;
+pub use touch_log::{TouchLog, TouchWriter, read_touches};
 
 /// How a session came about, in a session's folder.
 pub const SESSION_FILE: &str = "session.json";

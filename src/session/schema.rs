@@ -29,7 +29,6 @@ const LISTS: [&str; 2] = ["joints", "axes"];
 
 /// The file, behind its stamp.
 #[derive(Deserialize, Serialize)]
-#[serde(expecting = "an object")]
 struct SchemaFile {
     creature: Option<String>,
     joints: Vec<JointEntry>,
@@ -37,7 +36,6 @@ struct SchemaFile {
 
 /// One joint.
 #[derive(Clone, Deserialize, Serialize)]
-#[serde(expecting = "an object")]
 pub(super) struct JointEntry {
     joint: String,
     /// The name of the limb it is mounted on.
@@ -70,7 +68,6 @@ enum PositionStd {
 
 /// One degree of freedom.
 #[derive(Clone, Deserialize, Serialize)]
-#[serde(expecting = "an object")]
 struct AxisEntry {
     dof: Option<String>,
     /// Of use to other programs; this one knows it from the creature.

@@ -22,7 +22,6 @@ const PROGRESS: Stamp = Stamp { format: "bodyschema babbling", version: 1 };
 ///
 /// In the file, the format's name and version come before these fields.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(expecting = "an object")]
 pub struct Session {
     /// The program and its version: [`PROGRAM`](super::PROGRAM).
     pub program: String,
@@ -60,7 +59,6 @@ pub struct Session {
 
 /// The agent of a session, as its file has it.
 #[derive(Deserialize)]
-#[serde(expecting = "an object")]
 struct AgentFile {
     creature: Creature,
     skin: Skin,
@@ -68,7 +66,6 @@ struct AgentFile {
 
 /// The files of a recording, by their paths as they were given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct RecordingFiles {
     /// The description of the creature.
     pub creature: String,
@@ -78,7 +75,6 @@ pub struct RecordingFiles {
 
 /// What a session was asked for, in the words of the command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct SessionOptions {
     /// Touches wanted.
     pub touches: usize,
@@ -108,7 +104,6 @@ pub struct SessionOptions {
 
 /// What babbling cost: its motions, and its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct BabblingEffort {
     /// What its motions cost.
     #[serde(flatten)]
@@ -165,7 +160,6 @@ impl Session {
 
 /// A computer, as far as times depend on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct Host {
     /// The processor's name; its architecture where it tells no name.
     pub cpu: String,

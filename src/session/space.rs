@@ -20,7 +20,6 @@ const GREATEST_LITRES: f64 = 1e15;
 
 /// Three slices through the maps of the hands, in the frame of the chest in the rest posture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct SpaceRecord {
     /// The limb in whose frame the map is told.
     pub chest: String,
@@ -40,7 +39,6 @@ pub struct SpaceRecord {
 
 /// One slice, seen with an axis to the right and one upwards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 pub struct SpaceSlice {
     /// What it is called.
     pub name: String,

@@ -30,7 +30,6 @@ pub(super) struct Stamped<'a, T> {
 
 /// As much of a file as every format has.
 #[derive(Deserialize)]
-#[serde(expecting = "an object")]
 struct StatedFormat {
     format: Option<String>,
     version: Option<u64>,

@@ -7,11 +7,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::stamp::Stamp;
-use super::stamp::read_log;
+use super::stamp::{Stamp, read_log};
 use crate::error::Error;
 use crate::senses::{Firing, FiringRecorder, TouchEvent};
-use crate::session::{FIRINGS_FILE, SENSATIONS_FILE, Session, SessionOptions, model_hash, write_whole};
+use crate::session::{FIRINGS_FILE, SENSATIONS_FILE, Session, SessionOptions, files, model_hash};
 use crate::simulation::partner::stroke_for;
 use crate::simulation::{Stage, event_json};
 use crate::skin::Skin;
@@ -20,7 +19,6 @@ const STAMP: Stamp = Stamp { format: "bodyschema firings", version: 1 };
 
 /// What the header says beside its stamp.
 #[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
 struct FiringHeader {
     /// The creature's name.
     creature: String,
@@ -28,7 +26,7 @@ struct FiringHeader {
 
 /// A firing as a line has it; times are seconds.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object")]
+#[serde(deny_unknown_fields)]
 struct FiringLine<Id> {
     receptor: Id,
     first: f64,
@@ -48,7 +46,7 @@ pub fn write_firings(folder: &Path, creature: &str, skin: &Skin, firings: &[Firi
         let line = serde_json::to_string(&line).map_err(|error| Error::unwritable(&path)(error.into()))?;
         lines = lines + "\n" + &line;
     }
-    write_whole(&path, (lines + "\n").as_bytes()).map_err(Error::unwritable(&path))
+    files::write(&path, lines + "\n")
 }
 
 /// Reads the firings of a creature's skin from the log `path`, in the log's order; the last line may be incomplete, as
@@ -143,7 +141,6 @@ pub fn record_strokes(
     firings.extend(recorder.rest());
     session.write(folder)?;
     write_firings(folder, creature.name(), skin, &firings)?;
-    let path = folder.join(SENSATIONS_FILE);
-    write_whole(&path, sensations.as_bytes()).map_err(Error::unwritable(&path))?;
+    files::write(&folder.join(SENSATIONS_FILE), sensations)?;
     Ok([sensed, firings.len() as u64])
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::agent::Agent;
 use crate::creature::Creature;
-use crate::error::Error;
+use crate::error::{Error, json_reason};
 use crate::session::files;
 use crate::skin::Skin;
 
@@ -101,7 +101,7 @@ pub(in crate::session) fn typed<T: DeserializeOwned>(value: Value, at: &str) -> 
         let place = Some(place.trim_end_matches('.')).filter(|place| !place.is_empty());
         let place = place.map_or(String::new(), |place| format!("{place}: "));
         let mend = "correct it according to the documentation of the creature file";
-        format!("{place}{}: {mend}", error.inner())
+        format!("{place}{}: {mend}", json_reason(error.inner()))
     })
 }
 

@@ -21,7 +21,7 @@ use crate::session::recording::{creature_of, list, typed};
 const GREATEST_DIRECTION: f64 = 1e6;
 /// What is on a robot, and what is known of it.
 #[derive(Default, Deserialize)]
-#[serde(default, expecting = "an object")]
+#[serde(default)]
 struct Extras {
     frames: Vec<FrameJson>,
     points: Vec<PointJson>,

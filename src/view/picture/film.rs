@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use crate::error::Error;
 use crate::mujoco::Image;
-use crate::session::{PartFile, write_whole};
+use crate::session::{PartFile, files};
 
 /// Endings of film files, and ffmpeg's names of their formats.
 const FORMATS: [(&str, &str); 5] =
@@ -125,7 +125,7 @@ impl Film {
             return written.or_else(|_| self.end());
         }
         let path = numbered(&self.path, self.frames).unwrap_or_else(|| self.path.clone());
-        write_whole(&path, &png(image)).map_err(Error::unwritable(&path))
+        files::write(&path, png(image))
     }
 
     /// Ends the film; how many frames it has.

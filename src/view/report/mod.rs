@@ -19,8 +19,8 @@ use crate::named::plural;
 use crate::schema::{BodySchema, SchemaStd};
 use crate::senses::RecordedTouch;
 use crate::session::{
-    LearningRecord, LearningRow, SCHEMA_FILE, Session, SpaceRecord, read_learning_table,
-    read_schema_with_std, write_whole,
+    LearningRecord, LearningRow, SCHEMA_FILE, Session, SpaceRecord, files, read_learning_table,
+    read_schema_with_std,
 };
 use crate::view::page;
 use crate::view::text::{error_number, escape};
@@ -132,8 +132,7 @@ pub fn write_report(
         predictions: &read_learning_table(folder)?,
         space: SpaceRecord::read(folder)?.as_ref(),
     });
-    let path = folder.join(REPORT_FILE);
-    write_whole(&path, report.as_bytes()).map_err(Error::unwritable(&path))?;
+    files::write(&folder.join(REPORT_FILE), report)?;
     Ok((record, evaluation))
 }
 
