@@ -24,8 +24,6 @@ const PART: &str = ".generation.part";
 const WHOLE: &str = ".generation";
 /// Among the new files, the names of the files that are removed when they come, a line each.
 const REMOVED: &str = ".removed";
-/// Files that were made of a schema and are removed with it.
-const MADE_OF_SCHEMA: [&str; 1] = [SPACE_FILE];
 /// How long a new writer is given to write its name into the lock that it took.
 const NAMING: Duration = Duration::from_millis(20);
 /// How long a lock may be held on: a child that a killed process was just starting holds it until it has begun.
@@ -141,8 +139,8 @@ impl FolderLock {
             return Ok(());
         }
         let new = names(&self.part)?;
-        let of_schema = new.iter().any(|name| name == SCHEMA_FILE).then_some(MADE_OF_SCHEMA);
-        let of_schema = of_schema.into_iter().flatten().map(String::from);
+        // The slices of the space were made of the schema that is replaced.
+        let of_schema = new.iter().any(|name| name == SCHEMA_FILE).then(|| SPACE_FILE.to_string());
         let old = self.replaced.iter().flatten().cloned().chain(of_schema);
         let removed: String = old.filter(|name| !new.contains(name)).map(|name| name + "\n").collect();
         let list = self.part.join(REMOVED);

@@ -103,28 +103,16 @@ impl Babbled {
     /// Learns where the joints are and how they turn, from the touches alone.
     ///
     /// # Errors
-    /// As [`Babbled::learn_by`].
+    /// If there is no touch to learn from.
     pub fn learn(self) -> Result<LearnedBody> {
-        let deadline = self.learning.deadline.resumed(self.worked);
-        let options = LearningOptions { deadline, ..self.learning.clone() };
-        self.learn_by(&options)
-    }
-
-    /// Learns otherwise than was asked.
-    ///
-    /// # Errors
-    /// If there is no touch to learn from, or the options are not for this creature.
-    pub fn learn_by(self, options: &LearningOptions) -> Result<LearnedBody> {
-        options.check(self.embodied.creature())?;
-        let agent = self.embodied.agent();
+        let (agent, options) = (self.embodied.agent(), &self.learning);
         let disturbances = options.disturbances.disturbances();
         let felt = disturbances.felt(agent, &self.touches, options.input(), self.seed);
         // What was learned along the way was learned of a body without the disturbances.
         let grown = self.grown.as_ref().filter(|_| disturbances.is_none());
         let mut learner = options.learner_from(&felt.agent, grown, self.seed);
-        learner.end_at(options.deadline);
+        learner.end_at(options.deadline.resumed(self.worked));
         let learned = learn_from(&felt.agent, learner.as_mut(), &felt.touches)?;
-        drop((learner, felt));
         Ok(LearnedBody { embodied: self.embodied, touches: self.touches, learned })
     }
 

@@ -23,7 +23,6 @@ mod recording;
 mod request;
 mod robot;
 mod schema;
-mod session_body;
 mod session_file;
 mod space;
 mod stamp;
@@ -32,8 +31,8 @@ mod touch_log;
 
 pub use account::RecordedAccount;
 pub use babbling::{BabbledSession, BabblingSession, Provenance, SessionSetup};
-pub(crate) use embodied::skin_for;
-pub use embodied::{Embodied, ModelSource};
+pub use embodied::{Embodied, ModelSource, model_hash, own_body};
+pub(crate) use embodied::{hands, learned_body, same_tree, session_body, skin_for};
 pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
 pub use folder::{FolderLock, ReadLock};
 pub use in_memory::{Babbled, LearnedBody};
@@ -55,8 +54,6 @@ pub use robot::{
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
-pub(crate) use session_body::{hands, learned_body, same_tree, session_body};
-pub use session_body::{model_hash, own_body};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
 pub use space::{SpaceRecord, SpaceSlice};
 pub use strokes::{StrokedSession, read_firings, record_strokes, write_firings};

@@ -41,8 +41,6 @@ pub(super) struct Log<'a> {
     joints: Vec<LogJoint<'a>>,
     /// Per coordinate of a posture its column.
     pub posture: Vec<Option<usize>>,
-    /// The columns that mean nothing.
-    pub spare: Vec<Column>,
     /// What looks odd, in sentences.
     pub notes: Vec<String>,
 }
@@ -72,8 +70,7 @@ impl<'a> Log<'a> {
         let coordinates: Vec<_> = joints.iter().flat_map(LogJoint::columns).collect();
         let names: Vec<String> = coordinates.iter().map(|(name, _)| name.clone()).collect();
         let (table, notes) = read_table(path, &names, creature)?;
-        let (posture, spare) = Default::default();
-        let mut log = Log { path, table, joints, posture, spare, notes };
+        let mut log = Log { path, table, joints, posture: Vec::new(), notes };
         if !log.table.columns.is_empty() {
             let assigned = log.assign(&coordinates, further);
             let fault = assigned.err().or_else(|| fault(&log));
@@ -100,16 +97,14 @@ impl<'a> Log<'a> {
         let moving = coordinates.iter().map(|(name, measure)| (name.as_str(), *measure));
         let wanted: Vec<Quantity> = moving.chain(fields.iter().copied()).collect();
         self.posture = self.table.assign(&wanted)?;
-        let places = self.posture.split_off(coordinates.len());
+        self.posture.truncate(coordinates.len());
         for names in POINTS {
             let missing = names.iter().find(|name| !self.table.has(name));
             if let Some(missing) = missing.filter(|_| names.iter().any(|name| self.table.has(name))) {
                 return Err(format!("column {missing} is missing: a point has three coordinates"));
             }
         }
-        let used: Vec<usize> = self.posture.iter().chain(&places).flatten().copied().collect();
-        self.spare = self.table.spare(&used);
-        let titles: Vec<&str> = self.spare.iter().map(|column| column.title.as_str()).collect();
+        let titles: Vec<&str> = self.table.spare().map(|column| column.title.as_str()).collect();
         let unused = (!titles.is_empty()).then(|| format!("unused columns: {}", titles.join(", ")));
         self.notes.extend(unused);
         Ok(())
@@ -117,7 +112,7 @@ impl<'a> Log<'a> {
 
     /// The column that is likely meant by a name that no column has, as the end of a sentence.
     pub fn meant(&self, name: &str) -> String {
-        let near = self.spare.iter().find(|column| did_you_mean(column.name(), [name]).is_some());
+        let near = self.table.spare().find(|column| did_you_mean(column.name(), [name]).is_some());
         near.map_or(String::new(), |near| format!(", or is {} meant? Then rename it", near.title))
     }
 

@@ -141,10 +141,11 @@ impl Table {
         self.given(row, name).map(|at| &row[at])
     }
 
-    /// The columns with a title that are none of these.
-    pub fn spare(&self, used: &[usize]) -> Vec<Column> {
-        let spare = self.columns.iter().enumerate().filter(|(at, _)| !used.contains(at));
-        spare.map(|(_, column)| column.clone()).filter(|column| !column.title.is_empty()).collect()
+    /// The columns with a title that hold none of the quantities that were assigned.
+    pub fn spare(&self) -> impl Iterator<Item = &Column> {
+        let unused = |at: &usize| self.places.values().all(|used| used != at);
+        let spare = (0..self.columns.len()).filter(unused).map(|at| &self.columns[at]);
+        spare.filter(|column| !column.title.is_empty())
     }
 
     /// A column, as messages call it.
@@ -504,6 +505,6 @@ mod tests {
         let mut unit = table("thumb_cm_deg,thumb_cm_rad\n");
         assert_eq!(unit.assign(&[("thumb_cm", angle)]), Ok(vec![Some(0)]));
         assert_eq!(unit.columns[0].unit.map(|unit| unit.measure), angle);
-        assert_eq!(unit.spare(&[0])[0].title, "thumb_cm_rad");
+        assert_eq!(unit.spare().next().unwrap().title, "thumb_cm_rad");
     }
 }

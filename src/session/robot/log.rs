@@ -1,4 +1,4 @@
-//! A log of touches to calibrate by: a table of comma-separated values or JSON, a touch a line.
+//! A log of touches to calibrate by, read and written: a table of comma-separated values or JSON, a touch a line.
 //!
 //! | column | is |
 //! |---|---|
@@ -14,19 +14,20 @@
 //! A unit behind a name (`ax_mm`, `elbow [deg]`) is minded; without one it is metres and radians. Other columns are ignored.
 
 use std::collections::HashMap;
+use std::fmt::Write;
 use std::path::Path;
 
 use csv::StringRecord;
 use nalgebra::Vector3;
 
-use crate::calibration::robot::{Element, Knowledge, Posed, Robot, Value};
+use crate::calibration::robot::{Element, Knowledge, MOUNT, Posed, Robot, RobotDof, Value};
 use crate::calibration::{End, Feature, SAME_POINT, Touch, drop_repeats};
 use crate::creature::DofKind;
 use crate::error::Error;
 use crate::evaluation::Summary;
 use crate::named::did_you_mean;
 use crate::plausible::{is_angle, is_length};
-use crate::session::log::table::{CellFault, LIMBS, POINTS, Quantity, RECEPTORS};
+use crate::session::log::table::{CellFault, LIMBS, POINTS, QUATERNION, Quantity, RECEPTORS};
 use crate::session::log::units::Measure;
 use crate::session::log::{Log, LogJoint, far_angles};
 
@@ -187,13 +188,14 @@ fn column_fault(log: &Log, robot: &Robot) -> Option<String> {
     let missing = robot.dofs.iter().filter(|dof| log.posture[dof.coordinate].is_none());
     let missing: Vec<&str> = missing.map(|dof| dof.name.as_str()).collect();
     if missing.len() == robot.dofs.len() && !missing.is_empty() {
-        let example = log.spare.first().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
+        let example =
+            log.table.spare().next().map_or(String::new(), |column| format!(", not \"{}\"", column.title));
         return Some(format!(
             "no column has the name of a joint of {}: name them {} …{example}",
             robot.name, missing[0]
         ));
     }
-    log.spare.iter().find_map(|column| {
+    log.table.spare().find_map(|column| {
         // A column that nearly has a missing joint's name is a slip, one of anything else is somebody's own.
         let near = missing.iter().find(|name| name.eq_ignore_ascii_case(column.name()))?;
         Some(format!("column \"{}\" resembles the name of joint {near}: rename it", column.title))
@@ -355,4 +357,58 @@ fn reach(robot: &Robot) -> f64 {
         ways[link] = ways[robot.links[link].parent] + posed.frame(&[link]).origin.norm();
     }
     ways.into_iter().fold(0.0, f64::max)
+}
+
+/// Touches as a log that [`read_calibration_log`] reads, with further columns behind: a title and a
+/// cell for each touch. Of several contacts the first of either side is written.
+pub fn calibration_table(robot: &Robot, touches: &[&Touch], further: &[(&str, Vec<String>)]) -> String {
+    let mut titles = joint_titles(robot);
+    titles.extend(further.iter().map(|(title, _)| title.to_string()));
+    let mut table = format!("limb_a,limb_b,ax,ay,az,bx,by,bz,{}\n", titles.join(","));
+    for (k, touch) in touches.iter().enumerate() {
+        let mut cells: Vec<String> =
+            (0..2).map(|side| name_of(robot, &touch.ends[side][0].feature)).collect();
+        for ends in &touch.ends {
+            cells.push(match ends[0].feature {
+                Feature::Point(_, p) => format!("{:.7},{:.7},{:.7}", p.x, p.y, p.z),
+                Feature::Surface(_) => ",,".into(),
+            });
+        }
+        cells.extend(joint_cells(robot, &touch.posture));
+        cells.extend(further.iter().filter_map(|(_, column)| column.get(k).cloned()));
+        let _ = writeln!(table, "{}", cells.join(","));
+    }
+    table
+}
+
+/// The columns of what encoders read.
+pub(crate) fn joint_titles(robot: &Robot) -> Vec<String> {
+    let titles = |dof: &RobotDof| match dof.kind {
+        DofKind::Hinge => vec![format!("{}_deg", dof.name)],
+        DofKind::Slide => vec![dof.name.clone()],
+        DofKind::Ball => QUATERNION.map(|end| format!("{}{end}", dof.name)).to_vec(),
+    };
+    robot.leaders().flat_map(titles).collect()
+}
+
+/// What encoders read in these columns.
+pub(crate) fn joint_cells(robot: &Robot, posture: &[f64]) -> Vec<String> {
+    let mut cells = Vec::new();
+    for dof in robot.leaders() {
+        let own = &posture[dof.coordinate..dof.coordinate + dof.kind.coordinates()];
+        let number = |x: &f64| match dof.kind {
+            DofKind::Hinge => format!("{:.5}", x.to_degrees()),
+            DofKind::Slide | DofKind::Ball => format!("{x:.7}"),
+        };
+        cells.extend(own.iter().map(number));
+    }
+    cells
+}
+
+/// What a log calls a feature: its surface, or the link that its point is on.
+pub(crate) fn name_of(robot: &Robot, feature: &Feature) -> String {
+    match *feature {
+        Feature::Surface(surface) => robot.surfaces[surface].name.clone(),
+        Feature::Point(link, _) => robot.links[link].name.trim_end_matches(MOUNT).to_string(),
+    }
 }

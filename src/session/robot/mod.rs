@@ -4,7 +4,6 @@
 mod dh;
 mod json;
 mod log;
-mod log_writer;
 mod mjcf;
 pub mod simulated;
 mod urdf;
@@ -15,15 +14,15 @@ use std::path::Path;
 use nalgebra::{Rotation3, UnitVector3, Vector3};
 
 pub(crate) use json::{json_of, length, set_prior};
-pub use log::{CalibrationLog, add_fixed_places, read_calibration_log};
-pub use log_writer::calibration_table;
-pub(crate) use log_writer::{joint_cells, joint_titles, name_of};
+pub use log::{CalibrationLog, add_fixed_places, calibration_table, read_calibration_log};
+pub(crate) use log::{joint_cells, joint_titles, name_of};
 
 use crate::calibration::robot::{Element, Form, Robot, RobotDof, Unit, Value};
 use crate::creature::DofKind;
 use crate::error::Error;
 use crate::geometry::Frame;
 use crate::model_files::{begins_as, first_letter};
+use crate::named::named;
 use crate::plausible::{
     GREATEST_ANGLE, GREATEST_COEFFICIENT, GREATEST_LENGTH, is_angle, is_length, place_fault, pose_fault,
     shape_fault,
@@ -35,28 +34,19 @@ const GREATEST_MASS: f64 = 1e9;
 /// The greatest acceleration by which masses weigh, m/s².
 const GREATEST_GRAVITY: f64 = 1e4;
 
-/// What a robot's file is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RobotFormat {
-    /// A description in JSON.
-    Json,
-    /// URDF.
-    Urdf,
-    /// MJCF.
-    Mjcf,
-    /// A table of Denavit and Hartenberg's numbers, as comma-separated values.
-    Dh,
-}
-
-impl RobotFormat {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            RobotFormat::Urdf => "URDF",
-            RobotFormat::Mjcf => "MJCF",
-            RobotFormat::Dh => "table",
-            RobotFormat::Json => "description",
-        }
+named! {
+    "format of a robot",
+    /// What a robot's file is.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum RobotFormat {
+        /// A description in JSON.
+        Json = "description",
+        /// URDF.
+        Urdf = "URDF",
+        /// MJCF.
+        Mjcf = "MJCF",
+        /// A table of Denavit and Hartenberg's numbers, as comma-separated values.
+        Dh = "table",
     }
 }
 
