@@ -4,18 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::embodied::Embodied;
-use super::learning_options::LearningOptions;
-use super::observer::{Observer, Phase};
+use super::{
+    BabblingEffort, BabblingProgress, Embodied, FolderLock, LearningOptions, Observer, Phase, SESSION_FILE,
+    Session, SessionOptions, TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+};
 use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::deadline::{Deadline, apart, count};
 use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
-use crate::session::{
-    BabblingEffort, BabblingProgress, FolderLock, SESSION_FILE, Session, SessionOptions, TOUCHES_FILE,
-    TouchWriter, model_hash, read_touches,
-};
 use crate::simulation::{Effort, MotionName};
 use crate::skin::Skin;
 

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use super::files;
-use super::observer::Observer;
+use super::{
+    LearningRecord, Observer, ReadLock, SCHEMA_FILE, Session, SessionOptions, TOUCHES_FILE, files,
+    read_schema, read_touches,
+};
 use crate::agent::Agent;
 use crate::babbling::{Babbler, BabblingOptions, BoutsDone, Made, PolicyName};
 use crate::creature::{Body, Creature, CreatureInFile, JointSelection, Posture, creatures};
@@ -20,9 +22,6 @@ use crate::mujoco::Model;
 use crate::named::listed;
 use crate::peripersonal::OwnBody;
 use crate::senses::RecordedTouch;
-use crate::session::{
-    LearningRecord, ReadLock, SCHEMA_FILE, Session, SessionOptions, TOUCHES_FILE, read_schema, read_touches,
-};
 use crate::simulation::{MotionName, Movers};
 use crate::skin::{GrowOptions, Skin, grow_counted};
 

@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use super::babbling::SessionSetup;
-use super::embodied::{Embodied, ModelSource};
-use super::learning_options::LearningOptions;
-use super::request::SessionRequest;
+use super::{Embodied, LearningOptions, ModelSource, SessionRequest, SessionSetup};
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, Made, Policy};
 use crate::deadline::worked;

@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::babbling::BabbledSession;
-use super::learning_options::{DisturbanceLevels, LearningOptions};
 use super::learning_record::CHANGE;
-use super::observer::{LearningStep, Observer, Phase};
+use super::{
+    BabbledSession, Checkpoint, DisturbanceLevels, Host, LEARNED_FILE, LearningOptions, LearningRecord,
+    LearningRow, LearningStep, Observer, PROGRAM, Phase, RecordedAccount, SCHEMA_FILE, Session, files,
+    write_learning_table, write_schema,
+};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::{Limit, apart, count};
@@ -20,10 +22,6 @@ use crate::learning::{
 use crate::named::listed;
 use crate::schema::BodySchema;
 use crate::senses::DisturbedSenses;
-use crate::session::{
-    Checkpoint, Host, LEARNED_FILE, LearningRecord, LearningRow, PROGRAM, RecordedAccount, SCHEMA_FILE,
-    Session, files, write_learning_table, write_schema,
-};
 
 /// What learning from a session came to.
 #[derive(Clone, Debug)]

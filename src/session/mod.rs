@@ -14,7 +14,6 @@ mod in_memory;
 mod learned_session;
 mod learning_options;
 mod learning_record;
-mod learning_table;
 mod log;
 mod map_file;
 mod mistaken;
@@ -38,8 +37,9 @@ pub use folder::{FolderLock, ReadLock};
 pub use in_memory::{Babbled, LearnedBody};
 pub use learned_session::{LearnedSession, learn_session};
 pub use learning_options::{DisturbanceLevels, LearningOptions};
-pub use learning_record::{Checkpoint, LearningRecord};
-pub use learning_table::{LearningRow, read_learning_table, write_learning_table};
+pub use learning_record::{
+    Checkpoint, LearningRecord, LearningRow, read_learning_table, write_learning_table,
+};
 pub(crate) use log::wide_ranges;
 pub use map_file::{read_map, write_map};
 pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};

@@ -4,9 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::babbling::SessionSetup;
-use super::embodied::Embodied;
-use super::learning_options::LearningOptions;
+use super::{Embodied, LearningOptions, SessionSetup};
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::deadline::Deadline;
 use crate::error::Result;

@@ -15,13 +15,13 @@ use nalgebra::Vector3;
 pub use creature_file::{CreatureFile, read_creature};
 pub(super) use creature_file::{creature_of, list, typed};
 
-use super::babbling::BabbledSession;
-use super::learning_options::LearningOptions;
 use super::log::table::{CellFault, LIMBS, POINTS, RECEPTORS};
 use super::log::{Log, LogJoint, far_angles};
-use super::observer::Observer;
 use super::touch_log::check;
-use super::{RecordingFiles, Session, SessionOptions, TouchWriter, UNIT_LENGTH};
+use super::{
+    BabbledSession, LearningOptions, Observer, RecordingFiles, Session, SessionOptions, TouchWriter,
+    UNIT_LENGTH,
+};
 use crate::agent::Agent;
 use crate::calibration::{SAME_POINT, SAME_POSTURE, drop_alike};
 use crate::creature::{DofKind, Posture};
