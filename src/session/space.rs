@@ -56,6 +56,21 @@ pub struct SpaceSlice {
 }
 
 impl SpaceRecord {
+    /// The three slices of maps, of which there is at least one, and in sentences what of them is a guess.
+    pub fn of(own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> SpaceRecord {
+        let lattice = Lattice::about(maps.iter().map(ReachableMap::lattice));
+        let limbs = own.creature().limbs();
+        let name = |limb: usize| limbs[limb].clone();
+        SpaceRecord {
+            chest: maps.first().map_or(String::new(), |map| name(map.chest)),
+            hands: maps.iter().map(|map| map.name(own)).collect(),
+            voxel: lattice.voxel,
+            litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
+            doubts,
+            slices: SLICES.iter().map(|(name, axes)| slice_of(own, maps, &lattice, name, *axes)).collect(),
+        }
+    }
+
     /// Writes [`SPACE_FILE`] into `folder`, which is made if missing; whole or not at all.
     ///
     /// # Errors
@@ -118,11 +133,9 @@ const SLICES: [(&str, [usize; 2]); 3] =
 
 /// Where the slices cross: the middle of what is near to any hand.
 fn crossing(maps: &[ReachableMap]) -> Vector3<f64> {
-    let near = |map: &ReachableMap| -> Vec<Vector3<f64>> {
-        let near = map.voxels().filter(|(_, level)| *level == Level::Near);
-        near.map(|(cell, _)| map.lattice().middle(cell)).collect()
-    };
-    let near: Vec<Vector3<f64>> = maps.iter().flat_map(near).collect();
+    let voxels = maps.iter().flat_map(|map| map.voxels().map(move |(cell, level)| (map, cell, level)));
+    let near = voxels.filter(|(.., level)| *level == Level::Near);
+    let near: Vec<Vector3<f64>> = near.map(|(map, cell, _)| map.lattice().middle(cell)).collect();
     near.iter().sum::<Vector3<f64>>() / near.len().max(1) as f64
 }
 
@@ -142,23 +155,6 @@ fn outlines(own: &OwnBody, map: &ReachableMap, [a, b]: [usize; 2]) -> Vec<Vec<[f
         farthest.collect()
     };
     own.skin().surfaces.iter().map(outline).filter(|points: &Vec<_>| !points.is_empty()).collect()
-}
-
-impl SpaceRecord {
-    /// The three slices of maps, of which there is at least one, and in sentences what of them is a guess.
-    pub fn of(own: &OwnBody, maps: &[ReachableMap], doubts: Vec<String>) -> SpaceRecord {
-        let lattice = Lattice::about(maps.iter().map(ReachableMap::lattice));
-        let limbs = own.creature().limbs();
-        let name = |limb: usize| limbs[limb].clone();
-        SpaceRecord {
-            chest: maps.first().map_or(String::new(), |map| name(map.chest)),
-            hands: maps.iter().map(|map| map.name(own)).collect(),
-            voxel: lattice.voxel,
-            litres: maps.iter().map(|map| map.volumes().map(|volume| 1e3 * volume)).collect(),
-            doubts,
-            slices: SLICES.iter().map(|(name, axes)| slice_of(own, maps, &lattice, name, *axes)).collect(),
-        }
-    }
 }
 
 fn slice_of(

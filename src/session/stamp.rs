@@ -91,17 +91,17 @@ pub(super) struct LogEnd {
     pub zeros: usize,
 }
 
-/// Reads a log of lines that each hold a `what`: checks its header, and hands on what each further line holds.
-pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
+/// Reads a log of lines that each hold a `what`: checks its header, and returns what `entry` makes of each further line.
+pub(super) fn read_log<H: DeserializeOwned, L: DeserializeOwned, T>(
     path: &Path,
     (stamp, what): (Stamp, &str),
     check: impl FnOnce(H) -> Result<(), String>,
-    mut take: impl FnMut(T) -> Result<(), String>,
-) -> Result<LogEnd, Error> {
+    mut entry: impl FnMut(L) -> Result<T, String>,
+) -> Result<(Vec<T>, LogEnd), Error> {
     let io = || Error::unreadable(path);
     let refuse = |line: usize| move |fault: String| Error::content(path, Some(line), fault);
     let mut file = BufReader::new(files::open(path)?);
-    let (mut json, mut end) = (Vec::new(), LogEnd::default());
+    let (mut json, mut entries, mut end) = (Vec::new(), Vec::new(), LogEnd::default());
     file.read_until(b'\n', &mut json).map_err(io())?;
     check(read_header(path, stamp, 1, &json)?).map_err(refuse(1))?;
     for line in 2.. {
@@ -115,7 +115,7 @@ pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
             break;
         }
         match serde_json::from_slice(&json) {
-            Ok(found) => take(found).map_err(refuse(line))?,
+            Ok(found) => entries.push(entry(found).map_err(refuse(line))?),
             Err(error) if last && incomplete(&json, &error) => end.incomplete = Some(line),
             Err(error) => {
                 let reason = json_reason(&error);
@@ -127,7 +127,7 @@ pub(super) fn read_log<H: DeserializeOwned, T: DeserializeOwned>(
             break;
         }
     }
-    Ok(end)
+    Ok((entries, end))
 }
 
 /// The header of a log, on a line of it.

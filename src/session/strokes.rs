@@ -63,12 +63,7 @@ pub fn read_firings(path: &Path, creature: &str, skin: &Skin) -> Result<Vec<Firi
             "its firings belong to \"{found}\", not to \"{creature}\": give the log of one session"
         )),
     };
-    let mut firings = Vec::new();
-    read_log(path, (STAMP, "firing"), check, |found| {
-        firings.push(firing(&found, &receptors)?);
-        Ok(())
-    })?;
-    Ok(firings)
+    Ok(read_log(path, (STAMP, "firing"), check, |line| firing(&line, &receptors))?.0)
 }
 
 fn firing(line: &FiringLine<String>, receptors: &HashMap<&str, usize>) -> Result<Firing, String> {

@@ -97,18 +97,16 @@ struct TouchLine {
 /// for any line that is no touch; only the last one may be incomplete.
 pub fn read_touches(path: &Path, agent: &Agent) -> Result<TouchLog, Error> {
     let receptors = agent.skin().numbers();
-    let (mut log, mut told) = (TouchLog::default(), HashSet::new());
+    let mut told = HashSet::new();
     let check = |header: TouchHeader| header.check(agent.creature());
-    let end = read_log(path, (STAMP, "touch"), check, |line: TouchLine| {
+    let (touches, end) = read_log(path, (STAMP, "touch"), check, |line: TouchLine| {
         let touch = line.touch(agent, &receptors)?;
         if !told.insert(print(&touch)) {
             return Err("it repeats an earlier touch: delete the line".into());
         }
-        log.touches.push(touch);
-        Ok(())
+        Ok(touch)
     })?;
-    (log.truncated, log.zeros) = (end.incomplete, end.zeros);
-    Ok(log)
+    Ok(TouchLog { touches, truncated: end.incomplete, zeros: end.zeros })
 }
 
 /// By what a touch is known again: no two motions give the same numbers.
