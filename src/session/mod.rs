@@ -12,10 +12,8 @@ pub(crate) mod files;
 mod folder;
 mod in_memory;
 mod learned_session;
-mod learning_options;
 mod learning_record;
 mod log;
-mod map_file;
 mod mistaken;
 mod observer;
 mod recording;
@@ -36,17 +34,15 @@ pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
 pub use folder::{FolderLock, ReadLock};
 pub use in_memory::{Babbled, LearnedBody};
 pub use learned_session::{LearnedSession, learn_session};
-pub use learning_options::{DisturbanceLevels, LearningOptions};
 pub use learning_record::{
     Checkpoint, LearningRecord, LearningRow, read_learning_table, write_learning_table,
 };
 pub(crate) use log::wide_ranges;
-pub use map_file::{read_map, write_map};
 pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use observer::{LearningStep, Observer, Phase};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
-pub use request::SessionRequest;
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};
+pub use request::{DisturbanceLevels, LearningOptions, SessionRequest};
 pub use robot::simulated;
 pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, calibration_table, is_mjcf,
@@ -56,7 +52,7 @@ pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
 pub use space::{SpaceRecord, SpaceSlice};
-pub use strokes::{StrokedSession, read_firings, record_strokes, write_firings};
+pub use strokes::{StrokedSession, read_firings, read_map, record_strokes, write_firings, write_map};
 pub use touch_log::{TouchLog, TouchWriter, read_touches};
 
 /// How a session came about, in a session's folder.
