@@ -26,7 +26,7 @@ pub(crate) use pose::{Angles, ORIENTATIONS};
 pub use source::LeftOut;
 pub(crate) use source::{Refused, Source, begins_as, first_letter};
 pub(crate) use tree::{Element, element};
-pub(crate) use urdf_tree::{GREATEST_TURN, Origin, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree};
+pub(crate) use urdf_tree::{Following, GREATEST_TURN, Origin, UrdfJoint, UrdfKind, UrdfTree};
 pub(crate) use write::{Edits, exact, rewritten, write};
 
 /// Half the thickness of a receptor's site, metres.

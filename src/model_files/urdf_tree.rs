@@ -100,9 +100,9 @@ impl Origin {
 
 /// How a joint goes along with another: its coordinate is gain × the leader's + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct UrdfFollowing<'a> {
+pub(crate) struct Following<J> {
     /// The joint that it follows in the end; `None` if that stands still.
-    pub leader: Option<&'a str>,
+    pub leader: Option<J>,
     pub gain: f64,
     pub offset: f64,
 }
@@ -119,7 +119,7 @@ pub(crate) struct UrdfJoint<'a> {
     pub axis: Vector3<f64>,
     /// Least and greatest coordinate, radians or metres; `None` if it has no limits.
     pub limits: Option<[f64; 2]>,
-    pub follows: Option<UrdfFollowing<'a>>,
+    pub follows: Option<Following<&'a str>>,
 }
 
 /// A robot's links and joints, which make a tree.
@@ -277,9 +277,9 @@ impl<'a> UrdfTree<'a> {
         &mut self,
         joints: &[UrdfJoint<'a>],
         joint: &UrdfJoint<'a>,
-    ) -> Result<Option<UrdfFollowing<'a>>, Refused> {
+    ) -> Result<Option<Following<&'a str>>, Refused> {
         let Some(own) = mimic_of(joint) else { return Ok(None) };
-        let mut found = UrdfFollowing { leader: Some(joint.name), gain: 1.0, offset: 0.0 };
+        let mut found = Following { leader: Some(joint.name), gain: 1.0, offset: 0.0 };
         let (mut on, mut next) = (joint, Some(own));
         for _ in 0..=joints.len() {
             let Some(mimic) = next else { return Ok(Some(found)) };

@@ -180,14 +180,19 @@ impl Embodied {
         options: &BabblingOptions,
     ) -> Result<(Vec<RecordedTouch>, Option<Growth>)> {
         let mut touches = Vec::new();
-        let made = babbler.babble(policy, BoutsDone::default(), options, |made| {
-            if let Made::Touch(touch) = made {
-                touches.push(touch.clone());
-            }
-            Ok(())
-        });
+        let made = babbler.babble(policy, BoutsDone::default(), options, kept(&mut touches));
         let (_, grown) = made.map_err(Error::of_model(self.model()))?;
         Ok((touches, grown))
+    }
+}
+
+/// Keeps the touches of all that is made.
+pub(super) fn kept(touches: &mut Vec<RecordedTouch>) -> impl FnMut(Made) -> Result<()> {
+    |made| {
+        if let Made::Touch(touch) = made {
+            touches.push(touch.clone());
+        }
+        Ok(())
     }
 }
 

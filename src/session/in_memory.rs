@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::embodied::kept;
 use super::{Embodied, LearningOptions, ModelSource, SessionRequest, SessionSetup};
 use crate::agent::Agent;
-use crate::babbling::{BabblingOptions, Made, Policy};
+use crate::babbling::{BabblingOptions, Policy};
 use crate::deadline::worked;
 use crate::error::{Error, Result};
 use crate::evaluation::{Evaluation, evaluate_learned};
@@ -73,12 +74,7 @@ impl Embodied {
     pub fn babble_with(self, policy: &mut dyn Policy, options: &BabblingOptions) -> Result<Babbled, Error> {
         let mut touches = Vec::with_capacity(options.touches);
         let babbler = self.babbler(MotionName::default())?;
-        let made = babbler.babble_with(policy, options, |made| {
-            if let Made::Touch(touch) = made {
-                touches.push(touch.clone());
-            }
-            Ok(())
-        });
+        let made = babbler.babble_with(policy, options, kept(&mut touches));
         made.map_err(Error::of_model(self.model()))?;
         drop(babbler);
         let learning = LearningOptions::default();

@@ -14,6 +14,7 @@ use crate::calibration::robot::{Element, Form, LinkMass, Robot, Value};
 use crate::creature::{DofKind, body_name, joint_couplings, joint_name, largest, limits, matrix, span};
 use crate::error::Error;
 use crate::geometry::{Frame, Shape};
+use crate::model_files::Following;
 use crate::mujoco::{GeomKind, JointKind, Model};
 
 /// Reads a robot from an MJCF file and what it includes, in its maker's frames, and tells what of the file is of no use here,
@@ -56,17 +57,8 @@ fn is_free(model: &Model, body: usize) -> bool {
     model.body(body).joints.into_iter().any(|j| model.joint(j).kind == JointKind::Free)
 }
 
-/// How far a joint is from its reference by how far another is.
-#[derive(Clone, Copy)]
-struct Following {
-    /// The joint that it follows in the end; `None` if it stands still.
-    leader: Option<usize>,
-    gain: f64,
-    offset: f64,
-}
-
-/// Joints that equalities let follow others; none of those that follow by no straight line.
-fn followers(model: &Model) -> BTreeMap<usize, Option<Following>> {
+/// Joints that equalities let follow others, counted from their references; none of those that follow by no straight line.
+fn followers(model: &Model) -> BTreeMap<usize, Option<Following<usize>>> {
     let direct = joint_couplings(model);
     let following = |joint: usize| {
         let mut found = Following { leader: Some(joint), gain: 1.0, offset: 0.0 };
@@ -96,8 +88,8 @@ struct Reader<'a> {
     /// Per joint its degree of freedom.
     dofs: Vec<Option<usize>>,
     /// Joints that follow others, and which element of which link they are to be.
-    held: Vec<(usize, Following, [usize; 2])>,
-    followers: BTreeMap<usize, Option<Following>>,
+    held: Vec<(usize, Following<usize>, [usize; 2])>,
+    followers: BTreeMap<usize, Option<Following<usize>>>,
     passed_over: Vec<String>,
 }
 

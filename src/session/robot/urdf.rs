@@ -9,7 +9,7 @@ use crate::calibration::robot::{Element, Form, LinkMass, Robot};
 use crate::creature::{DofKind, UNLIMITED_SLIDE};
 use crate::geometry::{Frame, Shape};
 use crate::model_files::{
-    Element as Tag, Origin, Refused, Source, UrdfFollowing, UrdfJoint, UrdfKind, UrdfTree, check_source,
+    Element as Tag, Following, Origin, Refused, Source, UrdfJoint, UrdfKind, UrdfTree, check_source,
 };
 
 /// Reads a robot from a URDF file, in its maker's frames, and tells what of the file is of no use here, a sentence each. A
@@ -72,13 +72,13 @@ fn robot(source: &Source, tree: &UrdfTree) -> Result<(Robot, Vec<String>), Refus
             let range = joint.limits.unwrap_or([-span, span]);
             let axis = axis.normalize();
             match joint.follows {
-                Some(UrdfFollowing { leader: Some(leader), gain, offset }) => {
+                Some(Following { leader: Some(leader), gain, offset }) => {
                     let at = [robot.links.len(), elements.len()];
                     elements.push(Element::Fixed(Frame::identity()));
                     followers.push((leader, [gain, offset], at, (name, kind, range, axis)));
                 }
                 // It stands where its leader, which is fixed, holds it.
-                Some(UrdfFollowing { offset, .. }) => {
+                Some(Following { offset, .. }) => {
                     elements.push(Element::Fixed(moved(kind == DofKind::Slide, &axis, offset)));
                 }
                 None => elements.push(Element::Dof(robot.add_dof(name, kind, range, axis))),
