@@ -96,7 +96,28 @@ impl<'a> BabblingSession<'a> {
                 return Err(Error::unfit(&folder.join(file), reason));
             }
         }
-        let session = new_session(embodied, setup, provenance)?;
+        let (source, learning) = (embodied.source(), &setup.learning);
+        let forces = Some(setup.motion).filter(|motion| *motion != MotionName::default());
+        let session = Session {
+            engine: embodied.body().model.version().to_string(),
+            model: source.model.display().to_string(),
+            model_hash: model_hash(&source.model)?,
+            command: provenance.command,
+            seed: setup.babbling.seed,
+            options: SessionOptions {
+                touches: setup.babbling.touches,
+                joints: source.joints.to_string(),
+                root: source.root.clone(),
+                input: Some(learning.input().to_string()),
+                learner: Some(learning.kind().name().to_string()),
+                known: learning.known.as_ref().map(|known| known.display().to_string()),
+                policy: Some(setup.policy.to_string()),
+                motion: forces.map(|motion| motion.to_string()),
+                asked: provenance.asked,
+            },
+            agent: embodied.agent().clone(),
+            ..Session::made_here()
+        };
         session.write(folder)?;
         let log = Some(TouchWriter::create(folder, embodied.agent())?);
         let (folder, before) = (folder.to_path_buf(), Before::default());
@@ -223,32 +244,6 @@ impl<'a> BabblingSession<'a> {
         BabblingProgress::remove(&folder);
         Ok(BabbledSession { session, touches: made, grown })
     }
-}
-
-fn new_session(embodied: &Embodied, setup: &SessionSetup, provenance: Provenance) -> Result<Session, Error> {
-    let (source, learning) = (embodied.source(), &setup.learning);
-    Ok(Session {
-        engine: embodied.body().model.version().to_string(),
-        model: source.model.display().to_string(),
-        model_hash: model_hash(&source.model)?,
-        command: provenance.command,
-        seed: setup.babbling.seed,
-        options: SessionOptions {
-            touches: setup.babbling.touches,
-            joints: source.joints.to_string(),
-            root: source.root.clone(),
-            input: Some(learning.input().to_string()),
-            learner: Some(learning.kind().name().to_string()),
-            known: learning.known.as_ref().map(|known| known.display().to_string()),
-            policy: Some(setup.policy.to_string()),
-            motion: Some(setup.motion)
-                .filter(|motion| *motion != MotionName::default())
-                .map(|m| m.to_string()),
-            asked: provenance.asked,
-        },
-        agent: embodied.agent().clone(),
-        ..Session::made_here()
-    })
 }
 
 /// Whether the session's creature and engine are still the same, without which touches would be others.

@@ -124,49 +124,35 @@ pub fn learn_session(
         && options.frames == LimbFrames::Joint;
     let own_account = if tells { OwnAccount::new(&felt.agent, &felt.touches, &learned) } else { None };
     let LearningTable { rows, passed, .. } = table;
-    let mut record = record(session, touches.len(), options, &learned, seconds);
-    record.command = command.to_vec();
-    record.checkpoints = checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref()));
-    record.bound = evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm);
-    record.facts.extend(ended_by.map(|limit| ("the search ended".to_string(), limit.to_string())));
-    write_learning_table(folder, &rows)?;
     let creature = agent.creature();
+    let joint = |&joint: &usize| creature.joints()[joint].name.clone();
+    let limb = |&limb: &usize| creature.limbs()[limb].clone();
+    let directions = learned.reliable_account().map(|account| &account.observability);
+    let record = LearningRecord {
+        program: PROGRAM.to_string(),
+        command: command.to_vec(),
+        host: Some(Host::here()),
+        seed: session.seed,
+        touches: touches.len(),
+        facts: facts(session, options, &learned, seconds, ended_by),
+        // To hundredths: nobody reads more of a time.
+        seconds: Some((100.0 * seconds).round() / 100.0),
+        converged: learned.verdict.converged(),
+        verdict: sentence(creature, &learned),
+        reason: learned.verdict.reason().map(str::to_string),
+        undetermined: learned.undetermined().iter().map(joint).collect(),
+        undetermined_limbs: learned.undetermined_limbs().iter().map(limb).collect(),
+        open_directions: directions.map_or(Vec::new(), |found| found.undetermined(creature, &learned.schema)),
+        bound: evaluation.as_ref().and_then(|evaluation| evaluation.bound_mm),
+        account: Some(RecordedAccount::of(&learned)),
+        checkpoints: checkpoints(passed, session, &felt, options, truth, (&learned, evaluation.as_ref())),
+    };
+    write_learning_table(folder, &rows)?;
     let std = learned.schema_std(creature);
     write_schema(&folder.join(SCHEMA_FILE), creature, &learned.schema, std.as_ref())?;
     files::write(&folder.join(LEARNED_FILE), to_mjcf(agent, &learned.schema))?;
     record.write(folder, creature)?;
     Ok(LearnedSession { learned, record, ended_by, evaluation, own_account, undisturbed_heldout_mm })
-}
-
-/// What is said of a schema that was learned from so many of a session's touches in so many seconds.
-fn record(
-    session: &Session,
-    touches: usize,
-    options: &LearningOptions,
-    learned: &Learned,
-    seconds: f64,
-) -> LearningRecord {
-    let creature = session.agent.creature();
-    let joint = |&joint: &usize| creature.joints()[joint].name.clone();
-    let limb = |&limb: &usize| creature.limbs()[limb].clone();
-    let directions = learned.reliable_account().map(|account| &account.observability);
-    LearningRecord {
-        program: PROGRAM.to_string(),
-        host: Some(Host::here()),
-        seed: session.seed,
-        touches,
-        facts: facts(session, options, learned, seconds),
-        // To hundredths: nobody reads more of a time.
-        seconds: Some((100.0 * seconds).round() / 100.0),
-        converged: learned.verdict.converged(),
-        verdict: sentence(creature, learned),
-        reason: learned.verdict.reason().map(str::to_string),
-        undetermined: learned.undetermined().iter().map(joint).collect(),
-        undetermined_limbs: learned.undetermined_limbs().iter().map(limb).collect(),
-        open_directions: directions.map_or(Vec::new(), |found| found.undetermined(creature, &learned.schema)),
-        account: Some(RecordedAccount::of(learned)),
-        ..LearningRecord::default()
-    }
 }
 
 /// The table of learning as it goes on.
@@ -244,6 +230,7 @@ fn facts(
     options: &LearningOptions,
     learned: &Learned,
     seconds: f64,
+    ended_by: Option<Limit>,
 ) -> Vec<(String, String)> {
     let mut facts =
         vec![("learner", options.kind().name().to_string()), ("knowledge", options.knowledge().to_string())];
@@ -259,6 +246,7 @@ fn facts(
     facts.push(("random initial guesses", learned.initial_guesses.to_string()));
     facts.push(("learning", format!("{seconds:.2} s")));
     facts.extend(changes(session.agent.creature(), learned).into_iter().map(|change| (CHANGE, change)));
+    facts.extend(ended_by.map(|limit| ("the search ended", limit.to_string())));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
