@@ -147,11 +147,6 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
     given_file::read(path).map_err(Error::unreadable(path))
 }
 
-/// Opens a regular file for reading.
-pub(super) fn open(path: &Path) -> Result<File, Error> {
-    given_file::open(path).map_err(Error::unreadable(path))
-}
-
 /// Writes a file of results, whole or not at all. The folders above it are made, and go again where it cannot be written.
 pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
     let written = MadeFolders::make(folder_of(path)).and_then(|_made| write_whole(path, content.as_ref()));

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::files;
 use crate::error::{Error, json_reason};
+use crate::given_file;
 
 /// A format of a file and the version of it that this program writes and reads.
 #[derive(Clone, Copy, Debug)]
@@ -100,7 +101,7 @@ pub(super) fn read_log<H: DeserializeOwned, L: DeserializeOwned, T>(
 ) -> Result<(Vec<T>, LogEnd), Error> {
     let io = || Error::unreadable(path);
     let refuse = |line: usize| move |fault: String| Error::content(path, Some(line), fault);
-    let mut file = BufReader::new(files::open(path)?);
+    let mut file = BufReader::new(given_file::open(path).map_err(io())?);
     let (mut json, mut entries, mut end) = (Vec::new(), Vec::new(), LogEnd::default());
     file.read_until(b'\n', &mut json).map_err(io())?;
     check(read_header(path, stamp, 1, &json)?).map_err(refuse(1))?;
