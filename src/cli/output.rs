@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde_json::Value;
 
 use super::Outcome;
-use crate::session::files;
+use crate::error::Error;
+use crate::session::{MadeFolders, folder_of, write_whole};
 use crate::view::table::Table;
 /// An error in its unit, as the report has it; a dash where there is none.
 pub(crate) use crate::view::text::error_number as number;
@@ -61,9 +62,10 @@ pub fn command_line() -> Vec<String> {
     std::iter::once(env!("CARGO_PKG_NAME").to_string()).chain(words).collect()
 }
 
-/// Writes a file of results, as [`files::write`] does.
+/// Writes a file of results, whole or not at all. The folders above it are made, and go again where it cannot be written.
 pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
-    Ok(files::write(path, content)?)
+    let written = MadeFolders::make(folder_of(path)).and_then(|_made| write_whole(path, content.as_ref()));
+    Ok(written.map_err(Error::unwritable(path))?)
 }
 
 /// Prints a table.

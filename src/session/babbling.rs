@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::{
-    BabblingEffort, BabblingProgress, Embodied, FolderLock, LearningOptions, Observer, Phase, SESSION_FILE,
-    Session, SessionOptions, TOUCHES_FILE, TouchWriter, model_hash, read_touches,
+    BabblingEffort, BabblingProgress, Embodied, FolderLock, Observer, Phase, SESSION_FILE, Session,
+    SessionOptions, SessionSetup, TOUCHES_FILE, TouchWriter, model_hash, read_touches,
 };
-use crate::babbling::{BabblingOptions, BoutsDone, Made, PolicyName};
-use crate::deadline::{Deadline, apart, count};
+use crate::babbling::{BoutsDone, Made, PolicyName};
+use crate::deadline::{apart, count};
 use crate::error::Error;
 use crate::learning::growth::Growth;
 use crate::senses::RecordedTouch;
@@ -18,21 +18,6 @@ use crate::skin::Skin;
 
 /// How often it is written down how far babbling has come.
 const KEPT_EVERY: Duration = Duration::from_secs(1);
-
-/// How a session goes.
-#[derive(Clone)]
-pub struct SessionSetup {
-    /// Touches to make, the seed of all random numbers, and threads.
-    pub babbling: BabblingOptions,
-    /// How motions are chosen.
-    pub policy: PolicyName,
-    /// How the body is moved.
-    pub motion: MotionName,
-    /// After which no touches are made any more.
-    pub deadline: Deadline,
-    /// How to learn.
-    pub learning: LearningOptions,
-}
 
 /// What asked for a session, as it is kept in it; empty where that was no command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -149,8 +149,9 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
 
 /// Writes a file of results, whole or not at all. The folders above it are made, and go again where it cannot be written.
 pub(crate) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
-    let written = MadeFolders::make(folder_of(path)).and_then(|_made| write_whole(path, content.as_ref()));
-    written.map_err(Error::unwritable(path))
+    let folder = folder_of(path);
+    let _made = MadeFolders::make(folder).map_err(Error::unwritable(folder))?;
+    write_whole(path, content.as_ref()).map_err(Error::unwritable(path))
 }
 
 /// Writes a value as JSON that people can read, as [`write`] does.

@@ -27,7 +27,7 @@ mod strokes;
 mod touch_log;
 
 pub use account::RecordedAccount;
-pub use babbling::{BabbledSession, BabblingSession, Provenance, SessionSetup};
+pub use babbling::{BabbledSession, BabblingSession, Provenance};
 pub use embodied::{Embodied, ModelSource, model_hash, own_body};
 pub(crate) use embodied::{hands, learned_body, same_tree, session_body, skin_for};
 pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
@@ -42,7 +42,7 @@ pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use observer::{LearningStep, Observer, Phase};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};
-pub use request::{DisturbanceLevels, LearningOptions, SessionRequest};
+pub use request::{DisturbanceLevels, LearningOptions, SessionRequest, SessionSetup};
 pub use robot::simulated;
 pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, calibration_table, is_mjcf,

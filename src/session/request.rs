@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{Embodied, Session, SessionSetup, read_known};
+use super::{Embodied, Session, read_known};
 use crate::agent::Agent;
 use crate::babbling::{BabblingOptions, PolicyName, threads};
 use crate::creature::{Creature, DofKind};
@@ -42,6 +42,21 @@ const WORK: f64 = 50.0;
 pub(crate) const BABBLING_SHARE: f64 = 0.65;
 /// The share of it after which nothing more is tried to explain them: the last fit and the measures take the rest.
 pub(crate) const LEARNING_SHARE: f64 = 0.85;
+
+/// How a session goes.
+#[derive(Clone)]
+pub struct SessionSetup {
+    /// Touches to make, the seed of all random numbers, and threads.
+    pub babbling: BabblingOptions,
+    /// How motions are chosen.
+    pub policy: PolicyName,
+    /// How the body is moved.
+    pub motion: MotionName,
+    /// After which no touches are made any more.
+    pub deadline: Deadline,
+    /// How to learn.
+    pub learning: LearningOptions,
+}
 
 /// What is asked of a session. What is left open is chosen as `bodyschema babble` chooses it.
 #[derive(Clone, Serialize, Deserialize)]
