@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     match actor.explore(1) {
         Ok(Some(found)) => {
             println!("found something {:.3?} m from my hips", found.point.as_slice());
-            match actor.touch(&found, 0, false, 1) {
+            match actor.touch(&found, 0, false) {
                 Ok(touching) => println!("touched it after {} corrections", touching.corrections),
                 Err(trouble) => println!("{trouble}"),
             }

@@ -71,6 +71,8 @@ pub struct FoundThing {
     pub point: Vector3<f64>,
     /// The unit direction into the thing, in the root's frame.
     pub direction: Vector3<f64>,
+    /// Whether its place is known so well that all of the thing is beyond the plane there.
+    pub sharp: bool,
 }
 
 /// A creature that acts.
@@ -233,22 +235,19 @@ impl Actor {
         Reaching::new(&self.own, &self.clearance, joints, self.seed)
     }
 
-    /// Which hand a receptor's limb belongs to or carries: the arm that felt.
+    /// On which arm a receptor is, by its hand: the arm that felt.
     pub fn arm_of(&self, receptor: usize) -> Option<usize> {
-        let limb = self.own.skin().receptors[receptor].limb;
-        let joint = self.own.creature().joint_of(limb)?;
-        let on_arm = |hand: &Hand| hand.arm.contains(&joint) || self.own.carried_by(hand.limb)[limb];
-        self.hands.iter().position(on_arm)
+        self.arm_with(self.own.skin().receptors[receptor].limb)
+    }
+
+    /// Which arm a limb is part of, by its hand; `None` if it is of neither.
+    pub(super) fn arm_with(&self, limb: usize) -> Option<usize> {
+        self.hands.iter().position(|hand| self.own.carried_by(hand.arm[0] + 1)[limb])
     }
 
     /// The joints of both arms.
     pub fn arms(&self) -> Vec<usize> {
         self.hands.iter().flat_map(|hand| hand.arm.clone()).collect()
-    }
-
-    /// Whether a limb is part of an arm.
-    pub fn on_arm(&self, limb: usize) -> bool {
-        self.hands.iter().any(|hand| self.own.carried_by(hand.arm[0] + 1)[limb])
     }
 
     /// A point and the outward normal of a receptor in the root's frame, now and by the schema.
@@ -284,7 +283,7 @@ impl Actor {
     /// How far forward the trunk reaches at a height: no table is nearer than this, metres along `front`.
     pub fn trunk_front(&self, height: f64) -> f64 {
         let frames = self.own.frames(&self.own.at_ease());
-        let trunk = self.own.skin().surfaces.iter().filter(|surface| !self.on_arm(surface.limb));
+        let trunk = self.own.skin().surfaces.iter().filter(|surface| self.arm_with(surface.limb).is_none());
         // What is far above or below has the table in front of it or over it.
         let front = trunk.filter_map(|surface| {
             let frame = &frames[surface.limb];
@@ -407,7 +406,7 @@ impl Actor {
             None => place,
         };
         let (point, direction) = (frame.point(&place.point), frame.rotation * place.direction);
-        Some(FoundThing { receptor, thing, posture: self.posture(), point, direction })
+        Some(FoundThing { receptor, thing, posture: self.posture(), point, direction, sharp: false })
     }
 
     /// The place of the skin that felt something.

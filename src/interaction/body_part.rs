@@ -82,10 +82,9 @@ pub(super) fn find(actor: &Actor, part: &PartName, touching: Option<usize>) -> R
     let body = PosedBody::new(actor);
     let mut words: Vec<String> = part.words.clone();
     if words.first().is_some_and(|word| word == "other") {
-        let left = usize::from(actor.side(0) < 0.0);
         let which = "I do not know which is the other one: say left or right";
         let other = 1 - touching.ok_or(which)?;
-        words[0] = if other == left { "left" } else { "right" }.into();
+        words[0] = if other == actor.hand_towards(&actor.left()) { "left" } else { "right" }.into();
     }
     words.retain(|word| word != "both" && word != "own");
     let tip = words.len() > 1 && words.last().is_some_and(|last| last == "tip");

@@ -6,7 +6,6 @@ mod avoiding;
 mod body_part;
 mod conversation;
 mod leaning;
-mod lifting;
 mod own_spot;
 mod stick;
 mod tasks;
@@ -22,7 +21,6 @@ pub use conversation::{Conversation, Intent, Reply, understood};
 pub use own_spot::OwnTouch;
 pub use stick::{HeldStick, KnownStick};
 pub use tasks::{
-    BodyFound, Feeling, FeltOn, FeltOver, Grip, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching,
-    Trouble,
+    BodyFound, Feeling, FeltOver, Grip, PalmPlan, Search, SearchPlan, ShapeFeeling, Spot, Touching, Trouble,
 };
 pub use things::{KnownThing, ThingId, Things};

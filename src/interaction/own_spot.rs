@@ -32,7 +32,7 @@ impl Actor {
     pub fn touch_own(&mut self, receptor: usize, by: Option<usize>) -> Result<OwnTouch, Trouble> {
         let (point, normal) = self.feels_at(receptor);
         let limb = self.own.skin().receptors[receptor].limb;
-        let own_side = usize::from(self.side(0) * point.dot(&self.left()) < 0.0);
+        let own_side = self.hand_towards(&point);
         let hands = match self.arm_of(receptor) {
             Some(arm) => vec![1 - arm],
             None => vec![own_side, 1 - own_side],

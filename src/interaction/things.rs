@@ -216,6 +216,7 @@ mod tests {
             posture,
             point: Vector3::new(x, 0.0, 0.0),
             direction: Vector3::x(),
+            sharp: false,
         }
     }
 

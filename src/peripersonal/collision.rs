@@ -306,17 +306,20 @@ impl CollisionChecker {
         pieces.map(|piece| obstacle.gap(&piece)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The gap between a limb and a body that is all inside a capsule where it is below `below`, metres, negative by how deep
-    /// they are in each other; infinite elsewhere. The root limb is measured, too.
-    pub fn to_body(
-        &self,
-        frames: &[Frame],
-        limb: usize,
-        body: &dyn ConvexBody,
-        about: &Capsule,
-        below: f64,
-    ) -> f64 {
-        let pieces = self.pieces_near(frames, limb, below, |ball| about.distance_to(ball));
+    /// Whether obstacles matter to a limb: whether it moves.
+    pub fn is_exposed(&self, limb: usize) -> bool {
+        self.exposed[limb]
+    }
+
+    /// The least gap between limbs that obstacles matter to and an obstacle, up to `below`, metres.
+    pub fn least_to(&self, frames: &[Frame], obstacle: &Obstacle, below: f64) -> f64 {
+        self.exposed().fold(below, |least, limb| least.min(self.to_obstacle(frames, limb, obstacle, least)))
+    }
+
+    /// The gap between a limb and a capsule where it is below `below`, metres, negative by how deep they are in each other;
+    /// infinite elsewhere. The root limb is measured, too.
+    pub fn to_capsule(&self, frames: &[Frame], limb: usize, body: &Capsule, below: f64) -> f64 {
+        let pieces = self.pieces_near(frames, limb, below, |ball| body.distance_to(ball));
         let gaps = pieces.map(|piece| gap(&piece, body, Precision::ExactWhereShallow).distance);
         gaps.fold(f64::INFINITY, f64::min)
     }

@@ -64,8 +64,6 @@ pub struct FeltSurface {
     pub point: Vector3<f64>,
     /// The unit direction into the thing, in the root's frame.
     pub direction: Vector3<f64>,
-    /// Its radius of curvature, metres; 0 for a corner or an edge.
-    pub radius: f64,
     /// How surely the point is known: one standard deviation, metres.
     pub deviation: f64,
 }
@@ -87,7 +85,7 @@ impl FeltSurface {
     /// What is felt at a place of a limb that is at `first`, as far as the place is known: not to better than a deviation.
     pub fn at(place: Place, first: &Frame, deviation: f64) -> FeltSurface {
         let (point, direction) = (first.point(&place.point), first.direction(&place.direction));
-        FeltSurface { place, point, direction, radius: 0.0, deviation }
+        FeltSurface { place, point, direction, deviation }
     }
 
     /// What a receptor feels whose limb is at `first`, by the poses before and after; `None` if the skin's surface is not
@@ -152,14 +150,11 @@ impl FeltSurface {
         let point =
             weighed.iter().map(|(weight, _, place)| place.point * *weight).sum::<Vector3<f64>>() / total;
         let spread: f64 = weighed.iter().map(|(w, _, place)| w * (place.point - point).norm_squared()).sum();
-        let radius = weighed.iter().map(|(weight, one, _)| weight * one.radius.ln()).sum::<f64>() / total;
-        let radius = radius.exp();
         let place = own.on_surface(receptor, &point)?;
         Some(FeltSurface {
             place,
             point: first.point(&place.point),
             direction: first.direction(&place.direction),
-            radius: if radius < 2.0 * RADII[0] { 0.0 } else { radius },
             deviation: match touches >= ENOUGH && explained as f64 >= MOST * touches as f64 {
                 true => (spread / total).sqrt(),
                 false => own.skin().receptors[receptor].covariance(0.0).trace().sqrt(),

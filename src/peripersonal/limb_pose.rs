@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::own_body::OwnBody;
 use crate::creature::Posture;
 use crate::geometry::Frame;
-use crate::kinematics::{InverseKinematics, Place};
+use crate::kinematics::Place;
 
 /// Length that a radian of the limb's turn counts as, metres: half a hand's.
 const TURN_LENGTH: f64 = 0.08;
@@ -43,13 +43,13 @@ pub fn limb_posture(
     ease: Option<&[f64]>,
     steps: usize,
 ) -> LimbPosture {
-    let at = |limb: usize, frame: &Frame| Place { limb, point: frame.origin, direction: Vector3::zeros() };
-    let ends = [at(goal.limb, &goal.place), at(0, &goal.target)];
-    let mut solver = InverseKinematics::new(own.creature(), &own.schema, ends)
+    let free = Vector3::zeros();
+    let place = Place { limb: goal.limb, point: goal.place.origin, direction: free };
+    let mut solver = own
+        .bringing(place, goal.target.origin, free, joints)
         .turned([goal.place.rotation, goal.target.rotation])
         .with_direction_lengths([TURN_LENGTH; 2])
-        .with_steps([0, steps])
-        .moving(|joint| joints.contains(&joint));
+        .with_steps([0, steps]);
     if let Some(ease) = ease {
         solver = solver.at_ease(ease);
     }

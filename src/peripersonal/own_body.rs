@@ -9,7 +9,7 @@ use rand::{Rng, RngExt};
 use crate::agent::Agent;
 use crate::creature::{Creature, Posture};
 use crate::geometry::Frame;
-use crate::kinematics::{Chain, Place, limb_frames};
+use crate::kinematics::{Chain, InverseKinematics, Place, limb_frames};
 use crate::learning::{Account, Certainty, Learned};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
@@ -158,6 +158,20 @@ impl OwnBody {
     pub fn place(&self, receptor: usize) -> Place {
         let place = self.skin().receptors[receptor].place(0.0);
         self.on_surface(receptor, &place.point).unwrap_or(place)
+    }
+
+    /// Inverse kinematics that moves some joints to bring a place of a limb to a point of the root's frame, facing in a unit
+    /// direction; where that is zero, the place may face anywhere.
+    pub fn bringing(
+        &self,
+        place: Place,
+        point: Vector3<f64>,
+        direction: Vector3<f64>,
+        joints: &[usize],
+    ) -> InverseKinematics<'_> {
+        let facing = if direction == Vector3::zeros() { direction } else { place.direction };
+        let ends = [Place { direction: facing, ..place }, Place { limb: 0, point, direction }];
+        InverseKinematics::new(self.creature(), &self.schema, ends).moving(|joint| joints.contains(&joint))
     }
 
     /// The place of a receptor's patch that leads when its limb moves in a direction, in the limb's frame: where a patch

@@ -21,6 +21,21 @@ const SHORTCUTS: usize = 40;
 pub struct PosturePath(pub Vec<Posture>);
 
 impl PosturePath {
+    /// A way on from a posture in so many steps, each found by its number and the posture before, the first by 1; it ends
+    /// where there is no next one.
+    pub fn stepwise(
+        from: &[f64],
+        steps: usize,
+        next: impl Fn(usize, &[f64]) -> Option<Posture>,
+    ) -> PosturePath {
+        let mut way = vec![Posture::from(from)];
+        for k in 1..=steps {
+            let Some(posture) = next(k, &way[way.len() - 1]) else { break };
+            way.push(posture);
+        }
+        PosturePath(way)
+    }
+
     /// Its end; none for a way of no posture.
     pub fn end(&self) -> Option<&[f64]> {
         self.0.last().map(|posture| &posture[..])

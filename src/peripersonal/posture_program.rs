@@ -72,8 +72,6 @@ pub struct PosedPlace {
     pub along: f64,
     /// What is not kept, all in all, metres.
     pub broken: f64,
-    /// Steps that it took.
-    pub steps: usize,
 }
 
 impl PosedPlace {
@@ -135,9 +133,10 @@ impl<'a> PostureProgram<'a> {
         let mut posture = self.freedoms.changed(start, &vec![0.0; self.freedoms.count()]);
         let mut merit = self.merit(&posture);
         let mut reach = FIRST_STEP;
-        let mut steps = 0;
-        while steps < most_steps && reach > SHORTEST_STEP {
-            steps += 1;
+        for _ in 0..most_steps {
+            if reach <= SHORTEST_STEP {
+                break;
+            }
             let Some((change, gain)) = self.step(&posture, reach) else {
                 reach *= 0.25;
                 continue;
@@ -158,7 +157,7 @@ impl<'a> PostureProgram<'a> {
             }
         }
         let (along, broken) = self.measured(&posture);
-        PosedPlace { posture, along, broken, steps }
+        PosedPlace { posture, along, broken }
     }
 
     /// How far the place is along the direction, and all that is not kept, metres.

@@ -98,21 +98,17 @@ impl OwnBody {
     /// The limb that carries all of some limbs: their last common ancestor; for a single one, the last that carries
     /// another part of the body as well.
     pub fn carrier_of(&self, limbs: &[usize]) -> usize {
-        let ancestors = |limb: usize| {
-            std::iter::successors(Some(limb), |&limb| self.creature().parent_of(limb)).collect::<Vec<_>>()
+        let branches = |limb: usize| {
+            (0..self.creature().limbs().len())
+                .filter(|&other| self.creature().parent_of(other) == Some(limb))
+                .count()
         };
-        let Some((&first, others)) = limbs.split_first() else { return 0 };
-        let carries = |ancestor: usize| {
-            let carried = self.carried_by(ancestor);
-            if !others.is_empty() {
-                return others.iter().all(|&other| carried[other]);
-            }
-            let own_line = ancestors(first);
-            let beside =
-                |limb: usize| carried[limb] && !self.carried_by(first)[limb] && !own_line.contains(&limb);
-            ancestor != first && (0..self.creature().limbs().len()).any(beside)
+        let carries = |ancestor: usize| match limbs {
+            [only] => ancestor != *only && branches(ancestor) > 1,
+            all => all.iter().all(|&limb| self.carried_by(ancestor)[limb]),
         };
-        ancestors(first).into_iter().find(|&ancestor| carries(ancestor)).unwrap_or(0)
+        let mut line = std::iter::successors(limbs.first().copied(), |&limb| self.creature().parent_of(limb));
+        line.find(|&ancestor| carries(ancestor)).unwrap_or(0)
     }
 
     /// The place of a limb's skin that is farthest from the joint that carries it; `None` if it has no receptors.

@@ -50,7 +50,7 @@ const BEHIND: f64 = 0.02;
 pub struct ReachTarget {
     /// The place in the root's frame, metres.
     pub point: Vector3<f64>,
-    /// The unit direction in which the skin goes at the last.
+    /// The unit direction in which the skin goes at the last; zero where it may be any.
     pub direction: Vector3<f64>,
 }
 
@@ -70,24 +70,17 @@ pub struct ReachPlan {
 }
 
 /// Why a place cannot be touched.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OutOfReach {
     /// It is too far by so much, metres.
+    #[error("it is out of my reach by {:.0} cm", (100.0 * .0).max(1.0))]
     TooFar(f64),
     /// There are postures for it, but something is in the way of all that were tried.
+    #[error("I could reach it, but something is in the way")]
     Barred,
     /// The schema is not good enough to know.
+    #[error("I do not know my body well enough for this: {0}")]
     Unknown(Doubt),
-}
-
-impl std::fmt::Display for OutOfReach {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            OutOfReach::TooFar(by) => write!(f, "it is out of my reach by {:.0} cm", (100.0 * by).max(1.0)),
-            OutOfReach::Barred => write!(f, "I could reach it, but something is in the way"),
-            OutOfReach::Unknown(doubt) => write!(f, "I do not know my body well enough for this: {doubt}"),
-        }
-    }
 }
 
 /// A body that reaches with some of its joints.
@@ -141,10 +134,7 @@ impl<'a> Reaching<'a> {
     }
 
     fn solver(&self, place: Place, aim: &ReachTarget, at_ease: &[f64]) -> InverseKinematics<'a> {
-        let ends = [place, Place { limb: 0, point: aim.point, direction: aim.direction }];
-        InverseKinematics::new(self.own.creature(), &self.own.schema, ends)
-            .moving(|joint| self.joints.contains(&joint))
-            .at_ease(at_ease)
+        self.own.bringing(place, aim.point, aim.direction, &self.joints).at_ease(at_ease)
     }
 
     /// How to touch a place with one of some receptors, from a posture.
@@ -383,20 +373,14 @@ impl<'a> Reaching<'a> {
                 .solve(near)
                 .posture
         };
-        let mut way: Vec<Posture> = Vec::new();
-        let mut posture = candidate.reach.posture.clone();
-        let back = (BEFORE / STEP).round() as usize;
-        for k in 1..=back {
-            posture = at(-STEP * k as f64, &posture);
-            way.push(posture.clone());
-        }
+        let from_there = |far: f64, step: f64| {
+            let steps = (far / STEP).round() as usize;
+            let next = |k: usize, last: &[f64]| Some(at(step * k as f64, last));
+            PosturePath::stepwise(&candidate.reach.posture, steps, next).0
+        };
+        let mut way = from_there(BEFORE, -STEP);
         way.reverse();
-        way.push(candidate.reach.posture.clone());
-        posture.clone_from(&candidate.reach.posture);
-        for k in 1..=(BEYOND / STEP).round() as usize {
-            posture = at(STEP * k as f64, &posture);
-            way.push(posture.clone());
-        }
+        way.extend(from_there(BEYOND, STEP).into_iter().skip(1));
         PosturePath(way)
     }
 

@@ -210,13 +210,12 @@ fn a_folder_uses_only_what_is_below_it() {
 }
 
 /// Folders in which siblings still use each other in a circle: none may be added, and one that is mended is taken off.
-const CIRCULAR: [&str; 10] = [
+const CIRCULAR: [&str; 9] = [
     "geometry",
     "interaction",
     "interaction::conversation",
     "interaction::conversation::grammar",
     "interaction::tasks",
-    "interaction::tasks::searching",
     "senses",
     "session",
     "simulation",

@@ -11,10 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use super::seen_thing::{AHEAD, ThingCourse};
 use super::{Avoiding, PlaceGoal, QUICK};
 use crate::creature::Posture;
-use crate::geometry::Frame;
 use crate::interaction::actor::Actor;
-use crate::kinematics::{InverseKinematics, Place};
-use crate::peripersonal::{CollisionChecker, Obstacle, OwnBody, distance};
+use crate::kinematics::Place;
+use crate::peripersonal::{CollisionChecker, OwnBody, distance};
 use crate::senses::Approach;
 
 /// What comes this near to the middle of its way is surely met, metres.
@@ -46,14 +45,6 @@ pub(super) struct Threat {
     pub place: Option<Place>,
 }
 
-/// Joints that move together to get out of the way.
-pub(super) struct Group {
-    /// Whether a limb moves with them.
-    carried: Vec<bool>,
-    /// All but the things that move.
-    clearance: CollisionChecker,
-}
-
 /// Where it goes to get out of the way.
 pub(super) struct Escape {
     pub posture: Posture,
@@ -68,8 +59,7 @@ pub(super) struct Escape {
 /// What a search is for.
 struct Search<'a> {
     own: &'a OwnBody,
-    group: &'a Group,
-    /// The group's clearance where what is near now need not be farther away.
+    /// The clearance of what moves where what is near now need not be farther away.
     eased: CollisionChecker,
     joints: &'a [usize],
     now: &'a [f64],
@@ -86,64 +76,42 @@ struct Rated {
     posture: Posture,
 }
 
-impl Group {
-    pub fn new(own: &OwnBody, clearance: &CollisionChecker, joints: &[usize]) -> Group {
-        Group { carried: own.moved_by(joints), clearance: clearance.moved_by(own, joints) }
-    }
+/// A clearance where what is near now need not be farther away.
+pub(super) fn eased(own: &OwnBody, clearance: &CollisionChecker, now: &[f64]) -> CollisionChecker {
+    clearance.eased_at(&[own.frames(now)], MARGIN)
+}
 
-    /// Whether a limb moves with it.
-    pub fn carries(&self, limb: usize) -> bool {
-        self.carried[limb]
-    }
-
-    /// Its clearance where what is near now need not be farther away.
-    pub fn eased(&self, own: &OwnBody, now: &[f64]) -> CollisionChecker {
-        self.clearance.eased_at(&[own.frames(now)], MARGIN)
-    }
-
-    /// How far the limbs that move are from an obstacle, up to `below`, metres.
-    fn gap(&self, clearance: &CollisionChecker, frames: &[Frame], obstacle: &Obstacle, below: f64) -> f64 {
-        let limbs = (0..self.carried.len()).filter(|&limb| self.carried[limb]);
-        limbs.fold(below, |least, limb| least.min(clearance.to_obstacle(frames, limb, obstacle, least)))
-    }
-
-    /// How far they are from a thing on the straight way to a posture and from all of its course once there, up to
-    /// [`WANTED`], metres; `None` if they would meet each other or what else is known to be there.
-    pub fn way(
-        &self,
-        own: &OwnBody,
-        clearance: &CollisionChecker,
-        [from, to]: [&[f64]; 2],
-        course: &ThingCourse,
-    ) -> Option<f64> {
-        let far = distance(from, to);
-        let steps = (far / FINE).ceil().max(1.0) as usize;
-        let seconds = far / QUICK;
-        let mut least = WANTED;
-        for k in (1..=steps).rev() {
-            let share = k as f64 / steps as f64;
-            let frames = own.frames(&Posture::between(own.creature(), from, to, share));
-            if !clearance.free(&frames, MARGIN) {
-                return None;
-            }
-            let at = seconds * share;
-            let until = if k == steps { course.ahead().max(at) } else { at + seconds / steps as f64 };
-            let there = course.swept(at - 0.5 * seconds / steps as f64, until, course.radius);
-            least = self.gap(clearance, &frames, &there, least);
+/// How far limbs that move, by their clearance, are from a thing on the straight way to a posture and from all of its course
+/// once there, up to [`WANTED`], metres; `None` if they would meet each other or what else is known to be there.
+pub(super) fn gap_on_way(
+    own: &OwnBody,
+    clearance: &CollisionChecker,
+    [from, to]: [&[f64]; 2],
+    course: &ThingCourse,
+) -> Option<f64> {
+    let far = distance(from, to);
+    let steps = (far / FINE).ceil().max(1.0) as usize;
+    let seconds = far / QUICK;
+    let mut least = WANTED;
+    for k in (1..=steps).rev() {
+        let share = k as f64 / steps as f64;
+        let frames = own.frames(&Posture::between(own.creature(), from, to, share));
+        if !clearance.free(&frames, MARGIN) {
+            return None;
         }
-        Some(least)
+        let at = seconds * share;
+        let until = if k == steps { course.ahead().max(at) } else { at + seconds / steps as f64 };
+        let there = course.swept(at - 0.5 * seconds / steps as f64, until, course.radius);
+        least = clearance.least_to(&frames, &there, least);
     }
+    Some(least)
 }
 
 impl Search<'_> {
     /// A posture with what is to be kept where it is to be; `None` if it cannot be there.
     fn keeping(&self, posture: Posture) -> Option<Posture> {
         let Some((goal, joints)) = self.goal else { return Some(posture) };
-        let target = Place { limb: 0, point: goal.point, direction: Vector3::zeros() };
-        let place = Place { direction: Vector3::zeros(), ..goal.place };
-        let solver = InverseKinematics::new(self.own.creature(), &self.own.schema, [place, target])
-            .moving(|joint| joints.contains(&joint));
-        let reach = solver.solve(&posture);
+        let reach = self.own.bringing(goal.place, goal.point, Vector3::zeros(), joints).solve(&posture);
         (reach.miss < AT_GOAL).then_some(reach.posture)
     }
 
@@ -155,7 +123,7 @@ impl Search<'_> {
         let far = distance(self.now, &posture);
         let seconds = far / QUICK;
         let there = self.course.swept(seconds, self.course.ahead().max(seconds), self.course.radius);
-        let gap = self.group.gap(&self.eased, &frames, &there, WANTED);
+        let gap = self.eased.least_to(&frames, &there, WANTED);
         (gap > enough && self.eased.free(&frames, MARGIN)).then_some(Rated { gap, far, posture })
     }
 
@@ -200,7 +168,7 @@ impl Search<'_> {
             if best.as_ref().is_some_and(|best| gap <= best.1) {
                 break;
             }
-            let Some(gap) = self.group.way(self.own, &self.eased, [self.now, &posture], self.course) else {
+            let Some(gap) = gap_on_way(self.own, &self.eased, [self.now, &posture], self.course) else {
                 continue;
             };
             if best.as_ref().is_none_or(|best| gap > best.1) {
@@ -227,26 +195,18 @@ impl Avoiding {
         before: &[usize],
     ) -> Option<Escape> {
         let mut best: Option<Escape> = None;
-        let holder = self.goal.and_then(|goal| {
-            actor.hands.iter().position(|hand| actor.own.carried_by(hand.limb)[goal.place.limb])
-        });
-        let doings = [self.goal.zip(holder), None];
-        'search: for (k, doing) in doings.into_iter().enumerate() {
-            if k == 0 && doing.is_none() {
-                continue;
-            }
+        let doing = self.goal.and_then(|goal| Some((goal, goal.arm(actor)?)));
+        'search: for goal in doing.map(Some).into_iter().chain([None]) {
             for joints in tiers(actor, threatened) {
                 self.plans += 1;
-                let goal = doing.map(|(goal, hand)| (goal, actor.hands[hand].arm.as_slice()));
                 let mut group: Vec<usize> = joints.iter().chain(before).copied().collect();
                 group.extend(goal.iter().flat_map(|(_, arm)| arm.iter()));
                 group.sort_unstable();
                 group.dedup();
                 let mut rng = self.rng.clone();
                 let own = &actor.own;
-                let of = self.group(actor, &group);
-                let eased = of.eased(own, now);
-                let search = Search { own, group: of, eased, joints: &joints, now, course, goal };
+                let eased = eased(own, self.clearance_of(actor, &group), now);
+                let search = Search { own, eased, joints: &joints, now, course, goal };
                 // These joints begin from where they are.
                 let start = Posture::with_joints(own.creature(), base, joints.iter().copied(), now);
                 let mut starts = vec![start.clone(), Posture::from(base)];
@@ -258,7 +218,7 @@ impl Avoiding {
                 if let Some((posture, gap)) = found
                     && best.as_ref().is_none_or(|best| gap > best.gap + 1e-3)
                 {
-                    let keeps_goal = doing.is_some();
+                    let keeps_goal = goal.is_some();
                     best = Some(Escape { posture, group, gap, keeps_goal, threats: threatened.to_vec() });
                 }
                 if best.as_ref().is_some_and(|best| best.gap >= ENOUGH) {
@@ -292,11 +252,10 @@ pub(super) fn tiers(actor: &Actor, threatened: &[Threat]) -> Vec<Vec<usize>> {
     let own = &actor.own;
     let mut tiers: [Vec<usize>; 3] = Default::default();
     for &Threat { limb, .. } in threatened {
-        let arm = actor.hands.iter().find(|hand| own.carried_by(hand.arm[0] + 1)[limb]);
-        match arm {
-            Some(hand) => {
-                tiers[0].extend(&hand.arm);
-                tiers[1].extend(&hand.leaning);
+        match actor.arm_with(limb) {
+            Some(arm) => {
+                tiers[0].extend(&actor.hands[arm].arm);
+                tiers[1].extend(&actor.hands[arm].leaning);
             }
             None => {
                 let hands = actor.hands.each_ref().map(|hand| hand.limb);
@@ -328,7 +287,6 @@ fn pushes(
     course: &ThingCourse,
     place: Place,
 ) -> Vec<Posture> {
-    let place = Place { direction: Vector3::zeros(), ..place };
     let here = own.frames(start)[place.limb].point(&place.point);
     let Some(along) = course.velocity.try_normalize(1e-6) else { return Vec::new() };
     let passed = course.middle + along * (here - course.middle).dot(&along);
@@ -341,10 +299,7 @@ fn pushes(
             let angle = TAU * f64::from(k) / 8.0;
             let point =
                 passed + (aside * angle.cos() + other * angle.sin()) * (course.radius + WANTED + length);
-            let target = Place { limb: 0, point, direction: Vector3::zeros() };
-            let solver = InverseKinematics::new(own.creature(), &own.schema, [place, target])
-                .moving(|joint| joints.contains(&joint))
-                .at_ease(start);
+            let solver = own.bringing(place, point, Vector3::zeros(), joints).at_ease(start);
             postures.push(solver.solve(start).posture);
         }
     }

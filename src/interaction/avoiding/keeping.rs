@@ -114,12 +114,6 @@ impl Kept {
 }
 
 impl Avoiding {
-    /// The joints that see to a goal: an arm's, for a place on it.
-    fn doing(&self, actor: &Actor, goal: &PlaceGoal) -> Vec<usize> {
-        let holder = actor.hands.iter().find(|hand| actor.own.carried_by(hand.limb)[goal.place.limb]);
-        holder.map_or_else(|| actor.own.joints_to(goal.place.limb), |hand| hand.arm.clone())
-    }
-
     /// The posture after a step; `None` if it stays as it is.
     pub(super) fn towards(&self, actor: &Actor, now: &[f64], goal: Option<PlaceGoal>) -> Option<Posture> {
         let own = &actor.own;
@@ -138,7 +132,10 @@ impl Avoiding {
         }
         let joints: Vec<usize> = (0..own.creature().joints().len()).collect();
         let mut program = VelocityProgram::new(own, now, &frames, &joints, QUICK, seconds);
-        let doing = goal.map_or(Vec::new(), |goal| self.doing(actor, &goal));
+        let doing = goal.map_or(Vec::new(), |goal| match goal.arm(actor) {
+            Some(arm) => arm.to_vec(),
+            None => own.joints_to(goal.place.limb),
+        });
         let getting = self.escape.as_ref().map_or(&self.getting, |escape| &escape.group);
         for &joint in &joints {
             // What holds a place that waited no longer gets away from there.

@@ -20,14 +20,14 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use self::escape::{Escape, Group, Threat, threats, tiers};
+use self::escape::{Escape, Threat, eased, gap_on_way, threats, tiers};
 use self::keeping::{Kept, kept};
 use self::seen_thing::{Look, SeenThing, ThingCourse};
 use super::actor::Actor;
 use crate::error::Result;
 use crate::geometry::Ball;
 use crate::kinematics::Place;
-use crate::peripersonal::Obstacle;
+use crate::peripersonal::{CollisionChecker, Obstacle};
 use crate::senses::{Approach, Aura, SkinContact};
 
 /// The fastest that a joint turns when it gets out of the way, radians a second.
@@ -54,12 +54,22 @@ pub struct PlaceGoal {
     pub velocity: Vector3<f64>,
 }
 
+impl PlaceGoal {
+    /// The joints of the arm that has the place on its hand; `None` if it is on neither.
+    fn arm<'a>(&self, actor: &'a Actor) -> Option<&'a [usize]> {
+        let mut hands = actor.hands.iter();
+        let holder = hands.find(|hand| actor.own.carried_by(hand.limb)[self.place.limb])?;
+        Some(&holder.arm)
+    }
+}
+
 /// A creature that watches what comes near, step by step.
 pub struct Avoiding {
     /// What is to be done meanwhile, as far as nothing is in the way.
     pub goal: Option<PlaceGoal>,
     tracks: BTreeMap<usize, SeenThing>,
-    groups: BTreeMap<Vec<usize>, Group>,
+    /// What limbs that some joints move are to keep clear of, but the things that move.
+    clearances: BTreeMap<Vec<usize>, CollisionChecker>,
     escape: Option<Escape>,
     /// What the last look told, and what is to be kept clear of until the next.
     seen: Vec<Approach>,
@@ -80,7 +90,7 @@ impl Avoiding {
         Avoiding {
             goal: None,
             tracks: BTreeMap::new(),
-            groups: BTreeMap::new(),
+            clearances: BTreeMap::new(),
             escape: None,
             seen: Vec::new(),
             kept: Vec::new(),
@@ -164,10 +174,10 @@ impl Avoiding {
         let mut incumbent = f64::NEG_INFINITY;
         if let Some(escape) = self.escape.take() {
             before.clone_from(&escape.group);
-            let group = self.group(actor, &escape.group);
-            let eased = group.eased(&actor.own, &now);
-            let gap = group.way(&actor.own, &eased, [&now, &escape.posture], &course);
-            let others = threatened.iter().any(|threat| !group.carries(threat.limb));
+            let clearance = self.clearance_of(actor, &escape.group);
+            let others = threatened.iter().any(|threat| !clearance.is_exposed(threat.limb));
+            let eased = eased(&actor.own, clearance, &now);
+            let gap = gap_on_way(&actor.own, &eased, [&now, &escape.posture], &course);
             let holds = gap.is_some_and(|gap| gap >= KEEP.min(escape.gap - WORSE));
             threatened.extend(escape.threats.iter().copied().filter(|_| !holds));
             self.escape = Some(escape);
@@ -189,8 +199,8 @@ impl Avoiding {
         }
     }
 
-    fn group(&mut self, actor: &Actor, joints: &[usize]) -> &Group {
-        let new = || Group::new(&actor.own, &actor.clearance, joints);
-        self.groups.entry(joints.to_vec()).or_insert_with(new)
+    fn clearance_of(&mut self, actor: &Actor, joints: &[usize]) -> &CollisionChecker {
+        let new = || actor.clearance.moved_by(&actor.own, joints);
+        self.clearances.entry(joints.to_vec()).or_insert_with(new)
     }
 }

@@ -18,7 +18,7 @@ use self::grammar::{BodyNames, HandName, Language, Leave, Request, Understood, U
 use self::mind::Mind;
 use self::requests::{Act, Acted, Answer, REQUESTS};
 use super::actor::Actor;
-use super::tasks::{FeltOn, Grip, Search, Trouble, tried};
+use super::tasks::{Grip, Search, Trouble, tried};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::peripersonal::{ReachableMap, distance};
@@ -151,8 +151,9 @@ impl Conversation {
             }
             _ => {}
         }
-        if which.is_some() {
-            self.mind.things.mean(which);
+        match which {
+            Some(_) => self.mind.things.mean(which),
+            None => understood.request.which = None,
         }
         let leave = understood.leave.take();
         self.act(understood.request, leave, &understood.unknown)
@@ -311,7 +312,7 @@ impl Conversation {
 
     /// The hand that words mean.
     fn hand_for(&self, name: Option<HandName>) -> Option<usize> {
-        let left = usize::from(self.actor.side(0) < 0.0);
+        let left = self.actor.hand_towards(&self.actor.left());
         match name? {
             HandName::Left => Some(left),
             HandName::Right => Some(1 - left),
@@ -373,7 +374,7 @@ impl Conversation {
         for known in self.mind.things.iter_mut().filter(|known| known.in_touch.is_some()) {
             known.in_touch = None;
             // Where it cannot, the next motion says so.
-            let _ = self.actor.withdraw(&FeltOn::once(&known.found), &self.ready);
+            let _ = self.actor.withdraw(&known.found, &self.ready);
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Carrying a held thing to a spot: the whole path, up, over and down, is planned in advance.
+//! What one hand does with a thing that is welded to it by a touch: it raises and lowers it, or carries it to a spot, the whole
+//! path, up, over and down, planned in advance.
 
 use nalgebra::Vector3;
 
@@ -7,16 +8,20 @@ use super::putting::Spot;
 use crate::creature::Posture;
 use crate::geometry::{Ball, Capsule};
 use crate::interaction::actor::{Actor, CAREFUL, SWIFT};
-use crate::kinematics::{InverseKinematics, Place, REACHED};
-use crate::peripersonal::{Obstacle, OutOfReach, OwnBody, PosturePath, distance};
+use crate::kinematics::{InverseKinematics, Place};
+use crate::peripersonal::{Obstacle, OutOfReach, PosturePath, ReachTarget, distance};
 use crate::senses::{SkinContact, Toucher};
 
+/// Steps of a way straight up or down, metres: so small that the arm keeps its pose by going on from step to step.
+const STRIDE: f64 = 0.005;
+/// How much lower than where it stood a thing is let down before it is let go, metres.
+const SINKS: f64 = 0.003;
 /// How high a thing is lifted, metres: the highest of these that its way allows.
 const LIFTS: [f64; 4] = [0.2, 0.12, 0.08, 0.05];
 /// How far towards oneself it is lifted, metres: straight up where that can be done. An arm that is stretched out cannot.
 const DRAWN_BACK: [f64; 5] = [0.0, 0.03, 0.06, 0.1, 0.15];
 /// Steps in which it is lifted or put down.
-const LIFTING: u32 = 12;
+const LIFTING: usize = 12;
 /// How clear of everything limbs keep while it is lifted, where they are not nearer before, metres.
 const LIFTING_MARGIN: f64 = 0.004;
 /// Cosine of the most that it is tilted on its way up and down, by about 5 degrees.
@@ -114,8 +119,7 @@ impl Actor {
         let from = up.0.remove(0);
         down.0.reverse();
         let point = self.own.frames(to)[place.limb].point(&place.point) - self.up * SETTLE;
-        let target = Place { limb: 0, point, direction: self.up };
-        down.0.push(upright_at(&self.own, joints, [place, target]).solve(to).posture);
+        down.0.push(self.upright_at(place, point, joints).solve(to).posture);
         Ok(CarryingPlan { from, up, over, down })
     }
 
@@ -128,21 +132,16 @@ impl Actor {
         let clearance =
             self.clearance.moved_by(own, joints).eased_at(std::slice::from_ref(&frames), LIFTING_MARGIN);
         let whole = |lift: f64, back: f64| {
-            let mut way = vec![Posture::from(start)];
-            for k in 1..=LIFTING {
-                let share = f64::from(k) / f64::from(LIFTING);
+            let way = PosturePath::stepwise(start, LIFTING, |k, last| {
+                let share = k as f64 / LIFTING as f64;
                 let point = here + (self.up * lift - self.front * back) * share;
-                let target = Place { limb: 0, point, direction: self.up };
-                let reach = upright_at(own, joints, [place, target]).solve(&way[way.len() - 1]);
-                let goes = reach.miss <= REACHED
+                let reach = self.upright_at(place, point, joints).solve(last);
+                let goes = reach.reached()
                     && reach.facing >= TILTED
                     && clearance.free(&own.frames(&reach.posture), LIFTING_MARGIN);
-                if !goes {
-                    return None;
-                }
-                way.push(reach.posture);
-            }
-            Some(PosturePath(way))
+                goes.then_some(reach.posture)
+            });
+            Some(way).filter(|way| way.0.len() > LIFTING)
         };
         LIFTS
             .into_iter()
@@ -166,8 +165,7 @@ impl Actor {
         let stay = self.posture();
         self.wait(0.2)?;
         let point = self.feels_at(receptor).0;
-        let target = Place { limb: 0, point: point + self.up * LIFT, direction: self.up };
-        let back = upright_at(&self.own, &joints, [place, target]).solve(&stay).posture;
+        let back = self.upright_at(place, point + self.up * LIFT, &joints).solve(&stay).posture;
         self.follow(&PosturePath(vec![back]), CAREFUL, |_, _| false)?;
         Ok(point)
     }
@@ -235,11 +233,61 @@ impl Actor {
         self.clearance.obstacles.push(Obstacle::Capsule(ball));
         Ok(())
     }
-}
 
-/// Postures, moving some joints, in which a place of the body is at a target and keeps upright.
-pub(super) fn upright_at<'a>(own: &'a OwnBody, joints: &[usize], ends: [Place; 2]) -> InverseKinematics<'a> {
-    InverseKinematics::new(own.creature(), &own.schema, ends)
-        .with_direction_lengths(UPRIGHT)
-        .moving(|joint| joints.contains(&joint))
+    /// Postures, moving some joints, in which a place of the body is at a point and its direction up.
+    pub(super) fn upright_at(
+        &self,
+        place: Place,
+        point: Vector3<f64>,
+        joints: &[usize],
+    ) -> InverseKinematics<'_> {
+        self.own.bringing(place, point, self.up, joints).with_direction_lengths(UPRIGHT)
+    }
+
+    /// Raises what the limb of a receptor holds by so much, metres, or as much of it as its arm can; how much.
+    ///
+    /// # Errors
+    /// [`Trouble`] where it cannot raise it, or meets something.
+    pub(in crate::interaction) fn raise(&mut self, receptor: usize, by: f64) -> Result<f64, Trouble> {
+        let way = self.upwards(receptor, by);
+        if way.is_empty() {
+            return Err(OutOfReach::Barred.into());
+        }
+        let before = self.feels_at(receptor).0;
+        let met =
+            self.follow(&PosturePath(way), CAREFUL, |_, contact| matches!(contact.by, Toucher::Own(_)))?;
+        if met.is_empty() {
+            Ok((self.feels_at(receptor).0 - before).dot(&self.up))
+        } else {
+            Err(Trouble::Hit(met))
+        }
+    }
+
+    /// Lowers what the limb of a receptor holds by so much until it is felt to stand; whether it was felt.
+    ///
+    /// # Errors
+    /// Where the engine fails.
+    pub(in crate::interaction) fn lower(&mut self, receptor: usize, by: f64) -> Result<bool, Trouble> {
+        let way = self.upwards(receptor, -(by + SINKS));
+        let met =
+            self.follow(&PosturePath(way), CAREFUL, |_, contact| matches!(contact.by, Toucher::Through(_)))?;
+        Ok(!met.is_empty())
+    }
+
+    /// Postures on a straight way of a receptor's place up, or down, as far as the arm goes.
+    pub(super) fn upwards(&mut self, receptor: usize, by: f64) -> Vec<Posture> {
+        let Some(hand) = self.arm_of(receptor) else { return Vec::new() };
+        let arm = self.hands[hand].arm.clone();
+        let place = self.own.place(receptor);
+        let (here, posture, up) = (self.feels_at(receptor).0, self.posture(), self.up);
+        let steps = (by.abs() / STRIDE).ceil().max(1.0) as usize;
+        let reaching = self.reaching(arm);
+        let PosturePath(mut way) = PosturePath::stepwise(&posture, steps, |k, last| {
+            let point = here + up * (by * k as f64 / steps as f64);
+            let reach = reaching.solve(place, &ReachTarget { point, direction: Vector3::zeros() }, last);
+            reach.reached().then_some(reach.posture)
+        });
+        way.remove(0);
+        way
+    }
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::{MARGIN, Trouble, tried};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, TABLE};
-use crate::kinematics::{Place, REACHED};
+use crate::kinematics::REACHED;
 use crate::peripersonal::{PosturePath, ReachTarget, Reaching, straight};
 use crate::senses::Toucher;
 
@@ -81,7 +81,7 @@ impl Actor {
         let Hand { arm, tip, .. } = self.hands[hand].clone();
         let (front, left, up, side) = (self.front, self.left(), self.up, self.side(hand));
         let edge = self.trunk_front(height);
-        let place = Place { direction: Vector3::zeros(), ..self.own.place(tip) };
+        let place = self.own.place(tip);
         let mut posture = self.ready();
         let mut lanes = Vec::new();
         let own = &self.own;

@@ -4,18 +4,17 @@
 use std::collections::VecDeque;
 
 use nalgebra::{Rotation3, Unit, Vector3};
-use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
 use crate::creature::Posture;
 use crate::geometry::Frame;
 use crate::interaction::actor::{Actor, FoundThing, SWIFT};
-use crate::kinematics::{InverseKinematics, Place};
+use crate::kinematics::Place;
 use crate::peripersonal::{FeltPose, FeltSurface, Obstacle, PosturePath};
 use crate::senses::SkinContact;
 
 /// How fast the tips of the hands go where they feel on, metres a second: a tenth of a millimetre a step.
-const FEELING: f64 = 0.05;
+pub(super) const FEELING: f64 = 0.05;
 /// How far skin goes back before it touches again, metres …
 const RETREAT: f64 = 0.005;
 /// … and how far beyond where it touched it looks for it.
@@ -25,7 +24,7 @@ const STRIDE: f64 = 0.001;
 /// What length a direction counts as, metres: tilts matter as much as places.
 const DIRECTION_LENGTH: f64 = 0.1;
 /// How clear of the body and of what is known to be about it a limb that feels on keeps, metres.
-const CLEAR: f64 = 0.002;
+pub(super) const CLEAR: f64 = 0.002;
 /// How far a thing may reach about where it is touched, metres …
 const ROOM: f64 = 0.06;
 /// … and how much nearer to it than they are other limbs may come, metres.
@@ -57,31 +56,15 @@ const ROUNDS: [[([f64; 2], [f64; 2]); 4]; 3] = [
     ],
 ];
 
-/// What was felt by feeling on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FeltOn {
-    /// What was felt, its place sharpened.
-    pub found: FoundThing,
-    /// Whether its place is known so well that all of the thing is beyond the plane there.
-    pub sharp: bool,
-}
-
-impl FeltOn {
-    /// What was felt once, and not felt on.
-    pub fn once(found: &FoundThing) -> FeltOn {
-        FeltOn { found: found.clone(), sharp: false }
-    }
-}
-
 impl Actor {
-    /// Goes on feeling what it touches: draws back a little, tilts or shifts the limb, and touches again. In the end the
-    /// limb is a little off the thing. Where it does not touch what it found any more, nothing is
+    /// Goes on feeling what it touches: draws back a little, tilts or shifts the limb, and touches again; what was felt, its
+    /// place sharpened. In the end the limb is a little off the thing. Where it does not touch what it found any more, nothing is
     /// done and the place is as it was.
     ///
     /// # Errors
     /// [`Trouble::Engine`].
-    pub fn feel_on(&mut self, found: &FoundThing) -> Result<FeltOn, Trouble> {
-        let as_it_was = FeltOn::once(found);
+    pub fn feel_on(&mut self, found: &FoundThing) -> Result<FoundThing, Trouble> {
+        let as_it_was = found.clone();
         let limb = self.own.skin().receptors[found.receptor].limb;
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(as_it_was) };
         let posture = self.posture();
@@ -99,9 +82,6 @@ impl Actor {
             .collect();
         let mut came_by = std::mem::take(&mut self.trail);
         let mut rng = self.new_rng();
-        let estimate = |actor: &Actor, poses: &[FeltPose], rng: &mut ChaCha8Rng| {
-            FeltSurface::of(&actor.own, found.receptor, &first, poses, rng)
-        };
         let Some(mut surface) = self.comes_off(found, &first, &came_by, &joints)? else {
             self.trail = came_by;
             return Ok(as_it_was);
@@ -120,7 +100,8 @@ impl Actor {
                     break;
                 }
             }
-            surface = estimate(self, &poses, &mut rng).unwrap_or(surface);
+            let felt = FeltSurface::of(&self.own, found.receptor, &first, &poses, &mut rng);
+            surface = felt.unwrap_or(surface);
             if surface.deviation < SURE {
                 break;
             }
@@ -132,8 +113,8 @@ impl Actor {
             came_by.pop_back();
         }
         self.trail = came_by;
-        let found = FoundThing { point: surface.point, direction: surface.direction, ..found.clone() };
-        Ok(FeltOn { found, sharp: surface.deviation <= SHARP })
+        let sharp = surface.deviation <= SHARP;
+        Ok(FoundThing { point: surface.point, direction: surface.direction, sharp, ..as_it_was })
     }
 
     /// The posture near another in which a place of the skin is at a point and its normal leads in a direction, as far as the
@@ -146,12 +127,8 @@ impl Actor {
         direction: Vector3<f64>,
         near: &[f64],
     ) -> Posture {
-        let ends = [place, Place { limb: 0, point, direction }];
-        InverseKinematics::new(self.own.creature(), &self.own.schema, ends)
-            .with_direction_lengths([DIRECTION_LENGTH; 2])
-            .moving(|joint| joints.contains(&joint))
-            .solve(near)
-            .posture
+        let solver = self.own.bringing(place, point, direction, joints);
+        solver.with_direction_lengths([DIRECTION_LENGTH; 2]).solve(near).posture
     }
 
     /// Takes the limb off for the first time: back the way that it came, or, where it did not come by itself, along one of the
@@ -239,12 +216,11 @@ impl Actor {
             return Ok(Probed::Hindered);
         }
         let parted = self.posture();
-        let mut way = vec![parted.clone()];
         let strides = ((RETREAT + ADVANCE) / STRIDE).round() as usize;
-        for k in 0..=strides {
-            let point = surface.point + aside + n * (STRIDE * k as f64 - RETREAT);
-            way.push(self.tilted(surface.place, joints, point, direction, &way[way.len() - 1]));
-        }
+        let PosturePath(mut way) = PosturePath::stepwise(&parted, strides + 1, |k, last| {
+            let point = surface.point + aside + n * (STRIDE * (k - 1) as f64 - RETREAT);
+            Some(self.tilted(surface.place, joints, point, direction, last))
+        });
         let clearance = self.clearance.moved_by(&self.own, joints);
         let clearance = clearance.eased_at(&[self.own.frames(&parted)], CLEAR);
         // The thing is beyond the plane, and how far it reaches there is not known: no other limb goes there, or not farther than

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
-use super::{FeltOn, Trouble};
+use super::Trouble;
+use super::feeling::{CLEAR, FEELING};
 use crate::creature::Posture;
 use crate::error::Result;
 use crate::geometry::{Capsule, directions};
@@ -31,11 +32,8 @@ const DRAWN_BACK: f64 = 0.01;
 const BEYOND: f64 = 0.02;
 /// What is still touched when a hand has drawn back by so much is dragged along, metres.
 const DRAGGED: f64 = 0.003;
-/// Length of a step of the way there, metres, how fast it goes, metres a second, and how clear of the body and of the table
-/// it keeps, metres.
+/// Length of a step of the way there, metres.
 const STRIDE: f64 = 0.002;
-const FEELING: f64 = 0.05;
-const CLEAR: f64 = 0.002;
 /// From how many postures on the way it is told that nothing was there, and of skin how near to the thing, metres.
 const SOUNDINGS: usize = 5;
 const ABOUT: f64 = 0.12;
@@ -84,7 +82,7 @@ impl Actor {
         self.feel_beside(&mut felt, &about, by, found.direction)?;
         let ready = self.ready();
         // Where it cannot go back, the next motion says so.
-        let _ = self.withdraw(&FeltOn::once(found), &ready);
+        let _ = self.withdraw(found, &ready);
         let mut shape = felt.estimate().ok_or(Trouble::Nothing)?;
         let (mut tried, mut touched): (Vec<Vector3<f64>>, usize) = (Vec::new(), 1);
         for _ in 0..TRIES * touches {
@@ -147,7 +145,7 @@ impl Actor {
         let from_aside = level.try_normalize(1e-6).filter(|_| stands.is_some() && height < FROM_ASIDE);
         let side = from_aside.map_or(side, |level| (level + self.up * FROM_ASIDE).normalize());
         let aim = ReachTarget { point, direction: -side };
-        let own_side = usize::from(self.side(0) * side.dot(&self.left()) < 0.0);
+        let own_side = self.hand_towards(&side);
         let thing = Capsule::about_points(&shape.corners());
         for hand in [own_side, 1 - own_side] {
             let tips = self.tips(hand);
@@ -221,11 +219,11 @@ impl Actor {
         for k in 0..BESIDE {
             let (sin, cos) = (std::f64::consts::TAU * k as f64 / BESIDE as f64).sin_cos();
             let aside = point + (first * cos + second * sin) * ASIDE;
-            let mut way = vec![back.clone()];
-            for stride in 0..=((DRAWN_BACK + BEYOND) / STRIDE).round() as usize {
-                let target = aside + into * (STRIDE * stride as f64 - DRAWN_BACK);
-                way.push(self.tilted(place, &arm, target, direction, &way[way.len() - 1]));
-            }
+            let strides = ((DRAWN_BACK + BEYOND) / STRIDE).round() as usize;
+            let PosturePath(mut way) = PosturePath::stepwise(&back, strides + 1, |k, last| {
+                let target = aside + into * (STRIDE * (k - 1) as f64 - DRAWN_BACK);
+                Some(self.tilted(place, &arm, target, direction, last))
+            });
             let free = way.iter().take_while(|way| clearance.free(&self.own.frames(way), CLEAR)).count();
             way.truncate(free);
             if way.len() < 3 {

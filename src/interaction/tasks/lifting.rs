@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use super::two_palms::{PalmPlan, RISE};
-use super::{BACK, FeltOn, Trouble};
+use super::{BACK, Trouble};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing};
 use crate::senses::{SkinContact, Toucher};
@@ -130,7 +130,7 @@ impl Actor {
     /// [`Trouble`].
     pub fn lift(&mut self, found: &FoundThing, corrections: usize) -> Result<Grip, Trouble> {
         let ready = self.ready();
-        match self.withdraw(&FeltOn::once(found), &ready) {
+        match self.withdraw(found, &ready) {
             Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
             Err(Trouble::Reach(_)) => {}
             went => went?,

@@ -16,7 +16,6 @@ mod wielding;
 
 use nalgebra::Vector3;
 
-pub use feeling::FeltOn;
 pub use feeling_over::{BodyFound, FeltOver};
 pub use feeling_shape::ShapeFeeling;
 pub use lifting::Grip;
@@ -29,17 +28,14 @@ use super::actor::{Actor, Hand, SWIFT};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
-use crate::kinematics::{InverseKinematics, Place};
 use crate::peripersonal::{OutOfReach, PosturePath, find_path};
 use crate::senses::SkinContact;
 
-/// How clear ways keep of everything, metres.
+/// How clear of everything ways and hands that wait keep, metres.
 const MARGIN: f64 = 0.006;
 /// How far skin goes back from what it touched before anything else, metres.
 const BACK: f64 = 0.05;
-/// How clear of everything a hand waits, metres …
-const WAITING: f64 = 0.006;
-/// … and how high, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.
+/// How high a hand waits, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.
 const READY_HEIGHTS: [f64; 4] = [-0.35, -0.25, -0.15, 0.0];
 
 /// Random postures of which the best is sought, …
@@ -48,24 +44,32 @@ const DRAWN: usize = 400;
 const DRAWN_CLEAR: f64 = 0.01;
 
 /// Why something could not be done.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Trouble {
     /// A place cannot be touched.
-    Reach(OutOfReach),
+    #[error(transparent)]
+    Reach(#[from] OutOfReach),
     /// Nothing was felt where something was expected.
+    #[error("I felt nothing where I expected something")]
     Nothing,
     /// Something else was in the way.
+    #[error("I ran into something on the way")]
     Hit(Vec<SkinContact>),
     /// The palms cannot both get to the sides of a thing.
+    #[error("I cannot get my hands to both sides of it")]
     NoSides,
     /// A thing is wider than the palms come apart.
+    #[error("it is too wide for my hands")]
     TooWide,
     /// A thing slipped out from between the palms.
+    #[error("it slips from between my hands")]
     Slipped,
     /// What is said of it.
+    #[error("{0}")]
     Told(String),
     /// The engine failed.
-    Engine(Error),
+    #[error(transparent)]
+    Engine(#[from] Error),
 }
 
 impl Trouble {
@@ -86,33 +90,6 @@ pub(in crate::interaction) fn tried<T>(result: Result<T, Trouble>) -> Result<Opt
     }
 }
 
-impl From<Error> for Trouble {
-    fn from(error: Error) -> Trouble {
-        Trouble::Engine(error)
-    }
-}
-
-impl From<OutOfReach> for Trouble {
-    fn from(reason: OutOfReach) -> Trouble {
-        Trouble::Reach(reason)
-    }
-}
-
-impl std::fmt::Display for Trouble {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Trouble::Reach(reason) => reason.fmt(f),
-            Trouble::Nothing => write!(f, "I felt nothing where I expected something"),
-            Trouble::Hit(_) => write!(f, "I ran into something on the way"),
-            Trouble::NoSides => write!(f, "I cannot get my hands to both sides of it"),
-            Trouble::TooWide => write!(f, "it is too wide for my hands"),
-            Trouble::Slipped => write!(f, "it slips from between my hands"),
-            Trouble::Told(said) => f.write_str(said),
-            Trouble::Engine(error) => error.fmt(f),
-        }
-    }
-}
-
 impl Actor {
     /// To its left, horizontally, in the root's frame.
     pub fn left(&self) -> Vector3<f64> {
@@ -125,6 +102,11 @@ impl Actor {
         frames[self.hands[hand].limb].origin.dot(&self.left()).signum()
     }
 
+    /// The hand that is on the side to which a direction of the root's frame leads.
+    pub fn hand_towards(&self, direction: &Vector3<f64>) -> usize {
+        usize::from(self.side(0) * direction.dot(&self.left()) < 0.0)
+    }
+
     /// The posture in which both hands wait in front of the trunk, clear of a table where one is known.
     pub fn ready(&mut self) -> Posture {
         let mut posture = self.own.at_ease();
@@ -135,7 +117,7 @@ impl Actor {
             let length = (frames[*limb].origin - root).norm();
             // What is near each other in the rest posture is so for good.
             let clearance =
-                self.clearance.moved_by(&self.own, arm).eased_at(std::slice::from_ref(&frames), WAITING);
+                self.clearance.moved_by(&self.own, arm).eased_at(std::slice::from_ref(&frames), MARGIN);
             let mut bent = posture.clone();
             // Bent joints make for an arm that does not reach down.
             for &joint in arm.iter().skip(1) {
@@ -148,13 +130,11 @@ impl Actor {
                 let point = self.front * (root.dot(&self.front) + 0.55 * length)
                     + self.left() * (root.dot(&self.left()) + self.side(hand) * 0.35 * length)
                     + self.up * (root.dot(&self.up) + height * length);
-                let target = Place { limb: 0, point, direction: Vector3::zeros() };
-                let ends = [Place { direction: Vector3::zeros(), ..self.own.place(*tip) }, target];
-                let solver = InverseKinematics::new(self.own.creature(), &self.own.schema, ends);
-                let solver = solver.moving(|joint| arm.contains(&joint)).at_ease(&posture);
+                let solver = self.own.bringing(self.own.place(*tip), point, Vector3::zeros(), arm);
+                let solver = solver.at_ease(&posture);
                 [&bent, &posture].map(|start| solver.solve(start))
             };
-            let waits = |posture: &[f64]| clearance.free(&self.own.frames(posture), WAITING);
+            let waits = |posture: &[f64]| clearance.free(&self.own.frames(posture), MARGIN);
             let found =
                 READY_HEIGHTS.into_iter().flat_map(at).find(|reach| reach.reached() && waits(&reach.posture));
             if let Some(reach) = found {

@@ -5,10 +5,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
-use super::carrying::{CarryingPlan, upright_at};
+use super::carrying::CarryingPlan;
 use crate::creature::Posture;
 use crate::interaction::actor::Actor;
-use crate::kinematics::{Place, REACHED};
+use crate::kinematics::Place;
 use crate::peripersonal::{PosedPlace, PosturePath, PostureProgram, farthest_postures};
 
 /// How clear limbs are of each other and of the table where something is put, metres, …
@@ -209,9 +209,8 @@ impl Actor {
         let (place, from) = (self.upright(receptor), self.posture());
         let clearance = self.clearance.moved_by(&self.own, &joints);
         places.into_iter().find_map(|point| {
-            let target = Place { limb: 0, point, direction: self.up };
-            let reach = upright_at(&self.own, &joints, [place, target]).solve(&from);
-            let fits = reach.miss <= REACHED
+            let reach = self.upright_at(place, point, &joints).solve(&from);
+            let fits = reach.reached()
                 && reach.facing > 0.98
                 && clearance.free(&self.own.frames(&reach.posture), MARGIN);
             let plan = fits.then(|| self.plan_carrying(place, &reach.posture, &joints).ok()).flatten()?;

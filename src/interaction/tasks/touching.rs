@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{BACK, FeltOn, MARGIN, Trouble};
+use super::{BACK, MARGIN, Trouble};
 use crate::creature::Posture;
 use crate::geometry::Capsule;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, SWIFT};
@@ -23,10 +23,12 @@ const ROOMS: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
 const LOWER: f64 = 0.3;
 /// What is felt farther than this from where a thing was felt is something else, metres: about as much as a thing is large.
 const ELSEWHERE: f64 = 0.2;
+/// How often a hand that felt nothing, or something else, corrects itself.
+const CORRECTIONS: usize = 1;
 /// How often an arm that withdraws may meet a thing on its way.
 const WITHDRAWALS: usize = 3;
 /// Steps of a straight way off a thing …
-const STEPS_OFF: u32 = 10;
+const STEPS_OFF: usize = 10;
 /// … and others that are tried, one of which may be clear of it.
 const WAYS_OFF: usize = 150;
 
@@ -35,19 +37,17 @@ const WAYS_OFF: usize = 150;
 pub struct Touching {
     /// What was felt.
     pub found: FoundThing,
-    /// The receptor that was to touch.
-    pub receptor: usize,
     /// How often it had to correct itself.
     pub corrections: usize,
     /// What was felt before, as the arm that felt it had it in the end.
-    pub felt: FeltOn,
+    pub felt: FoundThing,
 }
 
-impl FeltOn {
+impl FoundThing {
     /// The room that the thing may fill: a dome on the plane through the place, or a ball that the place is on.
     fn room(&self, radius: f64) -> Obstacle {
-        let FoundThing { point, direction, .. } = self.found;
-        match self.sharp {
+        let FoundThing { point, direction, sharp, .. } = *self;
+        match sharp {
             true => Obstacle::Dome { centre: point, into: direction, radius },
             false => Obstacle::Capsule(Capsule::ball(point + direction * radius, radius)),
         }
@@ -56,8 +56,8 @@ impl FeltOn {
 
 impl Actor {
     /// The aims at a thing that was felt at one place: on from where the skin went, then from above and from about it.
-    fn aims(&self, felt: &FeltOn) -> Vec<ReachTarget> {
-        let FoundThing { point, direction, .. } = felt.found;
+    fn aims(&self, felt: &FoundThing) -> Vec<ReachTarget> {
+        let FoundThing { point, direction, .. } = *felt;
         let level = (direction - self.up * direction.dot(&self.up)).try_normalize(0.3);
         let mut aims = Vec::new();
         let resting = self.table.is_some_and(|height| (point.dot(&self.up) - height).abs() < 0.12);
@@ -87,44 +87,31 @@ impl Actor {
     }
 
     /// Touches a thing that was felt, with a hand: what felt it goes back first, then the hand comes to where it was.
-    /// Where the hand feels nothing, or something else, it corrects itself, up to `corrections` times. `lean` lets the
-    /// trunk help.
+    /// Where the hand feels nothing, or something else, it corrects itself. `lean` lets the trunk help.
     ///
     /// # Errors
     /// [`Trouble`].
-    pub fn touch(
-        &mut self,
-        found: &FoundThing,
-        hand: usize,
-        lean: bool,
-        corrections: usize,
-    ) -> Result<Touching, Trouble> {
-        let felt = if self.feels_on { self.feel_on(found)? } else { FeltOn::once(found) };
+    pub fn touch(&mut self, found: &FoundThing, hand: usize, lean: bool) -> Result<Touching, Trouble> {
+        let felt = if self.feels_on { self.feel_on(found)? } else { found.clone() };
         let ready = self.ready();
         match self.withdraw(&felt, &ready) {
             // It touches something where it is: it stays there, a little back, and the other hand finds its way.
             Err(Trouble::Hit(contacts)) => self.back_off(&contacts, BACK)?,
             went => went?,
         }
-        self.touch_again(felt, hand, lean, corrections)
+        self.touch_again(&felt, hand, lean)
     }
 
     /// The same where what felt the thing is away from it already.
     ///
     /// # Errors
     /// [`Trouble`].
-    pub fn touch_again(
-        &mut self,
-        felt: FeltOn,
-        hand: usize,
-        lean: bool,
-        corrections: usize,
-    ) -> Result<Touching, Trouble> {
+    pub fn touch_again(&mut self, felt: &FoundThing, hand: usize, lean: bool) -> Result<Touching, Trouble> {
         let receptors = self.hands[hand].receptors.clone();
         let (mut corrected, mut trouble) = (0, Trouble::Nothing);
         // With the arm alone first, then with the trunk.
         let helps = if lean { vec![false, true] } else { vec![false] };
-        let aims = self.aims(&felt);
+        let aims = self.aims(felt);
         let mut goes: VecDeque<(bool, ReachTarget)> =
             helps.into_iter().flat_map(|lean| aims.iter().map(move |aim| (lean, *aim))).collect();
         let mut met: Vec<FoundThing> = Vec::new();
@@ -132,14 +119,15 @@ impl Actor {
             let joints = self.hands[hand].joints(lean).to_vec();
             let from = self.posture();
             // A sharp place is the thing's, from wherever it is aimed at.
-            let mut places: Vec<FeltOn> = met.iter().map(FeltOn::once).chain([felt.clone()]).collect();
-            if let Some(FeltOn { found, sharp: false }) = places.last_mut() {
-                (found.point, found.direction) = (aim.point, aim.direction);
+            let mut here = felt.clone();
+            if !here.sharp {
+                (here.point, here.direction) = (aim.point, aim.direction);
             }
+            let places: Vec<FoundThing> = met.iter().cloned().chain([here]).collect();
             let planned = self.making_room(&places, |actor| {
                 let mut reaching = actor.reaching(joints.clone());
                 if felt.sharp {
-                    reaching = reaching.onto(felt.found.direction);
+                    reaching = reaching.onto(felt.direction);
                 }
                 Ok(reaching.approach(&from, &receptors, &aim)?)
             });
@@ -162,14 +150,14 @@ impl Actor {
             };
             let touched = self.approach(&plan).map_err(Trouble::from);
             let touched = touched.and_then(|contacts| self.thing_touched(contacts, hand));
-            let elsewhere = |at: &FoundThing| (at.point - felt.found.point).norm() > ELSEWHERE;
+            let elsewhere = |at: &FoundThing| (at.point - felt.point).norm() > ELSEWHERE;
             if let Ok(Some(found)) = &touched
                 && !elsewhere(found)
             {
-                let found = found.clone();
-                return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
+                let (found, felt) = (found.clone(), felt.clone());
+                return Ok(Touching { found, corrections: corrected, felt });
             }
-            if corrected == corrections {
+            if corrected == CORRECTIONS {
                 return Err(touched.err().unwrap_or(Trouble::Nothing));
             }
             corrected += 1;
@@ -185,7 +173,7 @@ impl Actor {
                 }
                 Ok(_) => {
                     if let Ok(Some(found)) = self.search(plan.place, &aim, &joints, hand) {
-                        return Ok(Touching { found, receptor: plan.receptor, corrections: corrected, felt });
+                        return Ok(Touching { found, corrections: corrected, felt: felt.clone() });
                     }
                     trouble = Trouble::Nothing;
                     let back = plan.straight.0[0].clone();
@@ -207,7 +195,7 @@ impl Actor {
     /// Does something with room left for a thing that was met at some places: as much as leaves a way.
     fn making_room<T>(
         &mut self,
-        met: &[FeltOn],
+        met: &[FoundThing],
         mut act: impl FnMut(&mut Actor) -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
         if met.is_empty() {
@@ -275,8 +263,11 @@ impl Actor {
     }
 
     /// Takes the arm that felt something back to where it was ready, away from the thing.
-    pub(in crate::interaction) fn withdraw(&mut self, felt: &FeltOn, ready: &[f64]) -> Result<(), Trouble> {
-        let found = &felt.found;
+    pub(in crate::interaction) fn withdraw(
+        &mut self,
+        found: &FoundThing,
+        ready: &[f64],
+    ) -> Result<(), Trouble> {
         let Some(hand) = self.arm_of(found.receptor) else { return Ok(()) };
         let arm = self.hands[hand].arm.clone();
         let back = match self.back_by(found.receptor, BACK) {
@@ -287,14 +278,14 @@ impl Actor {
             }
             // It has not come here by itself.
             None => {
-                let way = self.way_off(felt, &arm)?;
+                let way = self.way_off(found, &arm)?;
                 self.pass(&way, SWIFT)?;
                 self.posture()
             }
         };
         // Only this arm moves: the other is where it is wanted.
         let target = Posture::with_joints(self.own.creature(), &back, arm.iter().copied(), ready);
-        self.go_past(&target, &arm, vec![felt.clone()])
+        self.go_past(&target, &arm, vec![found.clone()])
     }
 
     /// Goes to a posture, moving both arms and what carries them, past what it meets on the way.
@@ -307,7 +298,7 @@ impl Actor {
     }
 
     /// Goes to a posture by some joints with room left for what was met, and for what it meets on the way.
-    fn go_past(&mut self, target: &[f64], joints: &[usize], mut met: Vec<FeltOn>) -> Result<(), Trouble> {
+    fn go_past(&mut self, target: &[f64], joints: &[usize], mut met: Vec<FoundThing>) -> Result<(), Trouble> {
         for _ in 0..WITHDRAWALS {
             let from = self.posture();
             let Err(trouble) = self.making_room(&met, |actor| actor.go_by(&from, target, joints)) else {
@@ -315,7 +306,7 @@ impl Actor {
             };
             let Trouble::Hit(contacts) = trouble else { return Err(trouble) };
             // It is larger than thought: back, and about what it met as well.
-            met.extend(contacts.iter().filter_map(|contact| Some(FeltOn::once(&self.found(contact)?))));
+            met.extend(contacts.iter().filter_map(|contact| self.found(contact)));
             self.back_off(&contacts, BACK)?;
         }
         Err(OutOfReach::Barred.into())
@@ -323,28 +314,24 @@ impl Actor {
 
     /// A way on which an arm takes skin off a thing that it touches, as straight as it can without meeting the thing with
     /// other skin, or the table, or the body.
-    fn way_off(&mut self, felt: &FeltOn, arm: &[usize]) -> Result<PosturePath, Trouble> {
+    fn way_off(&mut self, felt: &FoundThing, arm: &[usize]) -> Result<PosturePath, Trouble> {
         let from = self.posture();
-        let place = self.felt_with(&felt.found);
+        let place = self.felt_with(felt);
         let frame = self.frames()[place.limb];
         let (here, outward) = (frame.point(&place.point), frame.direction(&place.direction));
-        let direction = felt.found.direction;
+        let direction = felt.direction;
         let off = |own: &OwnBody, posture: &[f64]| {
             (here - own.frames(posture)[place.limb].point(&place.point)).dot(&direction)
         };
         // Straight, facing as it does and as it may …
         let mut ways = Vec::new();
         for facing in [outward, Vector3::zeros()] {
-            let place =
-                Place { direction: if facing == outward { place.direction } else { facing }, ..place };
             let reaching = self.reaching(arm.to_vec());
-            let mut way = vec![from.clone()];
-            for k in 1..=STEPS_OFF {
-                let point = here - direction * (BACK * f64::from(k) / f64::from(STEPS_OFF));
-                let aim = ReachTarget { point, direction: facing };
-                way.push(reaching.solve(place, &aim, &way[way.len() - 1]).posture);
-            }
-            ways.push(way);
+            let way = PosturePath::stepwise(&from, STEPS_OFF, |k, last| {
+                let point = here - direction * (BACK * k as f64 / STEPS_OFF as f64);
+                Some(reaching.solve(place, &ReachTarget { point, direction: facing }, last).posture)
+            });
+            ways.push(way.0);
         }
         // … and by all joints of the arm at once, as it comes.
         let mut rng = self.new_rng();

@@ -8,7 +8,8 @@ use crate::geometry::{Capsule, Frame};
 use crate::interaction::actor::{Actor, SWIFT};
 use crate::kinematics::Freedoms;
 use crate::peripersonal::{
-    CollisionChecker, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, Palm, limb_posture, palm_turn,
+    CollisionChecker, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, Palm, PosturePath, limb_posture,
+    palm_turn,
 };
 
 /// How far a palm is from the middle of a thing before it closes, metres: the widest of these that both arms can do.
@@ -226,27 +227,20 @@ impl Actor {
             let follow = |from: &Posture, begin: [f64; 2], end: [f64; 2]| {
                 let length = (end[0] - begin[0]).abs() + (end[1] - begin[1]).abs();
                 let steps = (length / STRIDE).ceil() as usize;
-                let mut posture = from.clone();
-                for k in 1..=steps {
+                let PosturePath(mut way) = PosturePath::stepwise(from, steps, |k, last| {
                     let share = k as f64 / steps as f64;
                     let [apart, rise] = [0, 1].map(|i| begin[i] + share * (end[i] - begin[i]));
-                    let reach = limb_posture(own, arm, &plan.goal(hand, apart, rise), &posture, None, 8);
-                    if !arrived(&reach) || !clear(&reach.posture) {
-                        return None;
-                    }
-                    posture = reach.posture;
-                }
-                Some(posture)
+                    let reach = limb_posture(own, arm, &plan.goal(hand, apart, rise), last, None, 8);
+                    (arrived(&reach) && clear(&reach.posture)).then_some(reach.posture)
+                });
+                way.pop().filter(|_| way.len() == steps)
             };
             let mut of_pitch = 0;
             for start in starts {
                 let goal = plan.goal(hand, CLOSED, 0.0);
                 let drawn = limb_posture(own, arm, &goal, start, Some(start), 25);
                 let closed = limb_posture(own, arm, &goal, &drawn.posture, None, 15);
-                if !arrived(&closed) {
-                    continue;
-                }
-                if !clear(&closed.posture) {
+                if !arrived(&closed) || !clear(&closed.posture) {
                     continue;
                 }
                 let closed = closed.posture;

@@ -78,7 +78,7 @@ impl Actor {
                 .table
                 .map_or(ROOM, |height| ends.iter().map(|p| p.dot(&actor.up) - height).fold(ROOM, f64::min));
             let others = (0..holding.len()).filter(|&limb| !holding[limb]);
-            let to_other = |limb| actor.clearance.to_body(frames, limb, &before, &before, ROOM);
+            let to_other = |limb| actor.clearance.to_capsule(frames, limb, &before, ROOM);
             others.map(to_other).fold(over, f64::min)
         });
         best.map_or(Ok(()), |posture| self.go(&posture))
@@ -185,7 +185,7 @@ impl Actor {
         self.draw_clear(draws, rng, |target, frames| {
             let Capsule { ends, radius } = expected.capsule().placed(&frames[limb]);
             let about = Capsule { ends: if tip_only { [ends[1]; 2] } else { ends }, radius };
-            let meets = |&other: &usize| self.clearance.to_body(frames, other, &about, &about, CLEAR) < 0.0;
+            let meets = |&other: &usize| self.clearance.to_capsule(frames, other, &about, CLEAR) < 0.0;
             let tip_first = || !tip_only || self.meets_with_tip_first(&expected, &others, [&from, target]);
             self.is_high(ends.into_iter()) && others.iter().any(meets) && tip_first()
         })
@@ -204,7 +204,7 @@ impl Actor {
             let target = self.own.random_posture(&from, &arms, rng);
             let frames = self.own.frames(&target);
             let high = self.is_high(self.hands.iter().map(|hand| frames[hand.limb].origin));
-            let clear = |to| straight(&self.own, &clearance, &from, to, CLEAR.min(MARGIN));
+            let clear = |to| straight(&self.own, &clearance, &from, to, MARGIN);
             (high && useful(&target, &frames) && clear(&target)).then_some(target)
         })
     }
@@ -226,7 +226,7 @@ impl Actor {
             let stick = tool.capsule().placed(&frames[tool.limb]);
             let [grip, end] = stick.ends;
             let gap = |body: &Capsule| {
-                let to = |&limb: &usize| self.clearance.to_body(&frames, limb, body, body, CLEAR);
+                let to = |&limb: &usize| self.clearance.to_capsule(&frames, limb, body, CLEAR);
                 limbs.iter().map(to).fold(f64::INFINITY, f64::min)
             };
             if gap(&Capsule { ends: [grip, grip.lerp(&end, SHAFT)], ..stick }) < CLEAR {

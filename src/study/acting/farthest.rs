@@ -45,7 +45,7 @@ fn hold(scene: &Scene, rng: &mut ChaCha8Rng) -> Result<Option<(OnStage, usize)>,
     };
     let receptor = match actor.hands[hand].receptors.contains(&found.receptor) {
         true => found.receptor,
-        false => match actor.touch(&found, hand, false, 1) {
+        false => match actor.touch(&found, hand, false) {
             Ok(touching) if touching.found.thing == thing => touching.found.receptor,
             _ => return Ok(None),
         },

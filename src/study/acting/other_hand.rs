@@ -166,7 +166,7 @@ fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<Row, Error> {
         "felt_mm": 1e3 * (really - in_world(&actor, felt.found.point)).norm(),
     });
     actor.unintended = 0;
-    let result = actor.touch(&felt.found, hand, true, 1);
+    let result = actor.touch(&felt.found, hand, true);
     row["unintended"] = json!(actor.unintended > 0);
     row["result"] = json!(match result {
         Err(Trouble::Engine(error)) => return Err(error),
@@ -175,7 +175,7 @@ fn attempt(mut actor: OnStage, felt: &FeltThing) -> Result<Row, Error> {
         Ok(touching) => {
             row["done"] = json!(true);
             row["first"] = json!(touching.corrections == 0);
-            row["felt_on_mm"] = json!(1e3 * (really - in_world(&actor, touching.felt.found.point)).norm());
+            row["felt_on_mm"] = json!(1e3 * (really - in_world(&actor, touching.felt.point)).norm());
             let by = actor.own.skin().receptors[touching.found.receptor].limb;
             let at = actor.stage.touching_at(by, touching.found.thing);
             row["contact_mm"] = json!(at.map(|at| 1e3 * (at - felt.at).norm()));

@@ -43,7 +43,7 @@ pub struct Request {
     pub hand: Option<HandName>,
     /// The part of the body that it is about.
     pub part: Option<PartName>,
-    /// Which of several things.
+    /// Which of several things; `None` if it is not said, or there is no such one.
     pub which: Option<Which>,
     /// What a question puts in relation, and to which parts of the body.
     pub related: Option<(End, Vec<PartName>)>,

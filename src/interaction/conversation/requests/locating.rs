@@ -12,9 +12,7 @@ use crate::peripersonal::Level;
 
 pub(super) const HOW_FAR: RequestKind = RequestKind::new(
     ["tell how far it is", "told how far it is"],
-    Act::Tells(|creature, request| {
-        creature.asked_about(request).map_or_else(|a| a, |it| creature.how_far(it))
-    }),
+    Act::Tells(|creature, _| creature.asked_about().map_or_else(|answer| answer, |it| creature.how_far(it))),
     "asked: how many cms; how FAR do you have ?to; GAP & !close|BODY; distance|range ?to|of|from|between \
      ?THING|it; UNIT ?off|away|from|or; how many|much UNIT|FAR|MORE|space|room; how SIZED|FAR a|be way; how long \
      a|be ?THING ?way to|from|distance|stretch|gap|reach; how FAR|NEAR; what .. RANGE; a long way ?off|away|to; \
@@ -24,7 +22,7 @@ pub(super) const HOW_FAR: RequestKind = RequestKind::new(
 pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::of_body(
     ["tell whether I reach it", "told whether I reach it"],
     Act::Tells(|creature, request| {
-        creature.asked_about(request).map_or_else(|a| a, |it| creature.near_or_far(it, request))
+        creature.asked_about().map_or_else(|answer| answer, |it| creature.near_or_far(it, request))
     }),
     "asked: FAR or|versus|and|not ?NEAR; or ?some ?long way off|away; within|in|inside|out|outside|beyond|at ?of \
      ?easy|your|HAND|arm ?arm|easy RANGE & !put; REACHABLE; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR \
@@ -79,8 +77,8 @@ fn listed(names: &[String]) -> String {
 
 impl Conversation {
     /// The thing that a question is about.
-    fn asked_about(&self, request: &Request) -> Result<&KnownThing, Answer> {
-        match self.mind.find(&self.actor, request.which).or(self.mind.things.it()) {
+    fn asked_about(&self) -> Result<&KnownThing, Answer> {
+        match self.mind.things.it() {
             Some(known) => Ok(known),
             None if self.mind.things.is_empty() => Err(Answer::tells("I have not felt anything yet")),
             None => Err(Answer::asks(self.mind.question(&self.actor))),
@@ -163,11 +161,11 @@ impl Conversation {
         let (what, to) = request.related.as_ref()?;
         Some(match self.doubt() {
             Some(doubt) => Answer::failed(doubt),
-            None => self.related(request, what, to).map_or_else(|answer| answer, Answer::tells),
+            None => self.related(what, to).map_or_else(|answer| answer, Answer::tells),
         })
     }
 
-    fn related(&self, request: &Request, what: &End, to: &[PartName]) -> Result<String, Answer> {
+    fn related(&self, what: &End, to: &[PartName]) -> Result<String, Answer> {
         let frames = self.actor.frames();
         let parts = |part: &PartName| -> Result<Vec<Placed<'_>>, Answer> {
             let placed = |part: BodyPart| {
@@ -179,7 +177,7 @@ impl Conversation {
         let what = match what {
             End::Part(part) => parts(part)?,
             End::Thing => {
-                let at = Capsule::ball(self.asked_about(request)?.at, 0.0);
+                let at = Capsule::ball(self.asked_about()?.at, 0.0);
                 vec![Placed { name: "it".to_string(), extent: vec![Box::new(at)] }]
             }
         };

@@ -43,7 +43,7 @@ pub(super) const STOP: RequestKind = RequestKind::new(
 
 pub(super) const FORGET: RequestKind = RequestKind::new(
     ["forget it", "forgot it"],
-    Act::Minds(|mind, actor, request| match mind.find(actor, request.which).or(mind.things.it()).cloned() {
+    Act::Minds(|mind, actor, request| match mind.things.it().cloned() {
         _ if mind.things.is_empty() => Answer::done("I have not felt anything that I could forget"),
         _ if request.all => {
             mind.things.forget_all();

@@ -39,7 +39,7 @@ impl Conversation {
             return Ok(Answer::does(self.stick_in_words(), as_told));
         }
         // The right hand, where none is named.
-        let hand = named.unwrap_or(usize::from(self.actor.side(1) < 0.0));
+        let hand = named.unwrap_or(self.actor.hand_towards(&-self.actor.left()));
         let name = self.hand_name(hand);
         self.let_be();
         self.settle();

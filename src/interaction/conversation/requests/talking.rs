@@ -101,8 +101,8 @@ impl Conversation {
     /// What words mean is meant from when they were heard on.
     fn which(&self, request: &Request) -> Answer {
         let things = &self.mind.things;
-        Answer::tells(match (self.mind.find(&self.actor, request.which), things.it()) {
-            (Some(known), _) => format!("You mean the one {}", self.place(&known.at)),
+        Answer::tells(match (request.which, things.it()) {
+            (Some(_), Some(known)) => format!("You mean the one {}", self.place(&known.at)),
             (None, Some(known)) if things.len() == 1 => {
                 format!("I know of only one thing, {}", self.place(&known.at))
             }

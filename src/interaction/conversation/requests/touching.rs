@@ -3,7 +3,7 @@
 use super::super::Conversation;
 use super::super::speaking::cm;
 use super::{Act, Acted, Answer, RequestKind};
-use crate::interaction::tasks::{FeltOn, Trouble};
+use crate::interaction::tasks::Trouble;
 use crate::interaction::things::KnownThing;
 use crate::peripersonal::{Level, OutOfReach};
 
@@ -48,10 +48,7 @@ impl Conversation {
         }
         self.let_be();
         self.settle();
-        match self
-            .actor
-            .with_stick(|actor, hand| actor.touch_again(FeltOn::once(&thing.found), hand, lean, 1))
-        {
+        match self.actor.with_stick(|actor, hand| actor.touch_again(&thing.found, hand, lean)) {
             Ok(touching) => {
                 self.mind.things.felt_again(thing.id, &touching.found);
                 Ok(Answer::done("I touch it with the stick"))
@@ -81,8 +78,8 @@ impl Conversation {
             self.settle();
         }
         let result = match touching {
-            Some(_) => self.actor.touch(&thing.found, hand, lean, 1),
-            None => self.actor.touch_again(FeltOn::once(&thing.found), hand, lean, 1),
+            Some(_) => self.actor.touch(&thing.found, hand, lean),
+            None => self.actor.touch_again(&thing.found, hand, lean),
         };
         match result {
             Ok(touching) => {
@@ -127,7 +124,7 @@ impl Conversation {
         let receptor = match thing.in_touch.filter(by_hand) {
             Some(receptor) => receptor,
             None => {
-                let own_side = usize::from(self.actor.side(0) * thing.at.dot(&self.actor.left()) < 0.0);
+                let own_side = self.actor.hand_towards(&thing.at);
                 let free = with_stick.map_or(own_side, |hand| 1 - hand);
                 self.touch(thing, Some(hand.unwrap_or(free)), lean)?;
                 self.mind.things.get(thing.id).and_then(|known| known.in_touch).ok_or(Trouble::Nothing)?

@@ -1,7 +1,6 @@
 //! Searching a table: hands feel about low over it, lane by lane from the belly outward, lift over what they meet and come
 //! down behind it, until all that they reach has been felt.
 
-mod clusters;
 mod plan;
 mod search;
 
@@ -76,7 +75,7 @@ impl Actor {
             let from = search.at.filter(|&(_, low)| low).map(|(at, _)| at);
             let felt = match from {
                 Some(from) if self.sweeps(search, from, to) => {
-                    let low = search.stop(to).low.clone();
+                    let low = search.stop(to).low().clone();
                     self.feel_along(search, &PosturePath(vec![low]), FEELING)?
                 }
                 _ => self.come_down_at(search, to)?,
@@ -108,7 +107,7 @@ impl Actor {
         let [a, b] = [from, to].map(|at| search.stop(at));
         let near = (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) <= SWEEP;
         let clearance = self.clearance.moved_by(&self.own, &self.hands[b.hand].arm);
-        a.hand == b.hand && near && straight(&self.own, &clearance, &self.posture(), &b.low, CLEAR - 1e-3)
+        a.hand == b.hand && near && straight(&self.own, &clearance, &self.posture(), b.low(), CLEAR - 1e-3)
     }
 
     /// Goes along a way, takes down what it passes, and draws back at once from what it feels.
@@ -168,7 +167,7 @@ impl Actor {
             }
         }
         let from = self.posture();
-        let high = stop.rising.last().unwrap_or(&stop.low).clone();
+        let high = stop.rising.last().unwrap_or(stop.low()).clone();
         let arm = self.hands[stop.hand].arm.clone();
         let Ok(way) = self.way_above(search, [&from, &high], &arm) else { return Ok(None) };
         if let Some(felt) = self.feel_along(search, &way, ABOVE)? {

@@ -9,9 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use crate::creature::Posture;
 use crate::geometry::{Frame, directions};
 use crate::interaction::actor::{Actor, Hand};
-use crate::kinematics::{Place, REACHED};
+use crate::kinematics::Place;
 use crate::peripersonal::{
-    CELL, Cell, CollisionChecker, OwnBody, ReachTarget, Reaching, SearchedMap, SkinPoints,
+    CELL, Cell, CollisionChecker, OwnBody, PosturePath, ReachTarget, Reaching, SearchedMap, SkinPoints,
 };
 
 /// How high over the table the lowest skin of a hand that feels about goes, metres: what it touches is no table then, as
@@ -53,6 +53,12 @@ const RIM_STEP: f64 = 0.01;
 const RIM_STEPS: u32 = 12;
 /// Cells under a hand that is flat enough.
 const ENOUGH: usize = 42;
+/// A place is worth going to for so many cells that were not searched …
+const WORTH: usize = 7;
+/// … with fingers alone for so many …
+const WORTH_NARROW: usize = 4;
+/// … and as far away as a hand gets for so many.
+const WORTH_FAR: usize = 3;
 
 /// A place where a hand feels the table.
 #[derive(Clone, Debug)]
@@ -61,20 +67,30 @@ pub struct Stop {
     pub hand: usize,
     /// The place of the hand that is lowest.
     pub sole: Place,
-    /// The posture in which it is low over the table.
-    pub low: Posture,
-    /// Postures from there straight up, as far as it goes; the first is the low one.
+    /// Postures straight up from where it is low over the table, as far as it goes; the first is the low one.
     pub rising: Vec<Posture>,
-    /// Where the sole is then, forward and to the left, metres.
+    /// Where the sole is when it is low, forward and to the left, metres.
     pub at: [f64; 2],
     /// Up to which height a place under it is searched then, metres.
     pub searches: f64,
-    /// Whether it is as far away as the hand gets.
-    pub rim: bool,
-    /// The cells that are searched in the low one.
+    /// For how many cells that were not searched it is worth going there.
+    pub worth: usize,
+    /// The cells that are searched in the low posture.
     pub cells: Vec<Cell>,
     /// The cells that skin is over then, and how high its lowest is over each, metres.
     pub under: Vec<(Cell, f64)>,
+}
+
+impl Stop {
+    /// The posture in which it is low over the table.
+    pub fn low(&self) -> &Posture {
+        &self.rising[0]
+    }
+
+    /// Whether it is as far away as the hand gets.
+    pub fn is_rim(&self) -> bool {
+        self.worth == WORTH_FAR
+    }
 }
 
 /// Where all hands can feel the table, lane by lane.
@@ -144,14 +160,14 @@ impl Places<'_> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// The posture with a sole at a place of the table, so high over it; `None` if there is none that keeps clear.
+    /// The stop with a sole at a place of the table, so high over it; `None` if there is none that keeps clear.
     fn low(&self, sole: Place, [forward, left]: [f64; 2], height: f64, start: &[f64]) -> Option<Stop> {
         let mut above = height;
         let mut posture = Posture::from(start);
         for _ in 0..3 {
             let point = self.map.plane.point([forward, left, above]);
             let reach = self.reaching.solve(sole, &ReachTarget { point, direction: -self.up }, &posture);
-            if reach.miss > REACHED {
+            if !reach.reached() {
                 return None;
             }
             posture = reach.posture;
@@ -170,14 +186,13 @@ impl Places<'_> {
         under.dedup_by_key(|(cell, _)| *cell);
         let searches = height + SOLE;
         let cells = under.iter().filter(|(_, above)| *above <= searches).map(|(cell, _)| *cell).collect();
-        let rising = vec![posture.clone()];
-        let (hand, at) = (self.hand, [forward, left]);
-        Some(Stop { hand, sole, rising, low: posture, cells, under, at, searches, rim: false })
+        let (hand, at, rising) = (self.hand, [forward, left], vec![posture]);
+        Some(Stop { hand, sole, rising, cells, under, at, searches, worth: WORTH })
     }
 
     /// Adds the way up from where a stop is low; whether it goes high enough.
     fn rise(&self, stop: &mut Stop) -> bool {
-        stop.rising = self.rising(stop.sole, &stop.low);
+        stop.rising = self.rising(stop.sole, stop.low());
         RISE * (stop.rising.len() - 1) as f64 >= LEAST_LIFT
     }
 
@@ -185,24 +200,19 @@ impl Places<'_> {
     fn rising(&self, sole: Place, from: &[f64]) -> Vec<Posture> {
         let frame = self.own.frames(from)[sole.limb];
         let (here, facing) = (frame.point(&sole.point), frame.rotation * sole.direction);
-        let mut way = vec![Posture::from(from)];
         let above = self.map.plane.coordinates(&here)[2];
         let steps = ((LIFT - above.max(0.0)) / RISE).round() as usize;
-        'rising: for k in 1..=steps {
+        let way = PosturePath::stepwise(from, steps, |k, last| {
             let rise = RISE * k as f64;
-            let last = way[way.len() - 1].clone();
             // Where the arm is too short for straight up, it goes back as it goes up.
-            for back in [0.0, 0.3, 0.7] {
+            [0.0, 0.3, 0.7].into_iter().find_map(|back| {
                 let point = here + self.up * rise - self.front * (back * rise);
-                let reach = self.reaching.solve(sole, &ReachTarget { point, direction: facing }, &last);
-                if reach.miss <= REACHED && self.clearance.free(&self.own.frames(&reach.posture), CLEAR) {
-                    way.push(reach.posture);
-                    continue 'rising;
-                }
-            }
-            break;
-        }
-        way
+                let reach = self.reaching.solve(sole, &ReachTarget { point, direction: facing }, last);
+                let clear = || self.clearance.free(&self.own.frames(&reach.posture), CLEAR);
+                (reach.reached() && clear()).then_some(reach.posture)
+            })
+        });
+        way.0
     }
 }
 
@@ -241,11 +251,11 @@ impl Actor {
         for place in at {
             let away = |stop: &Stop| (stop.at[0] - place[0]).hypot(stop.at[1] - place[1]);
             let near = |stops: &mut dyn Iterator<Item = &Stop>| {
-                stops.min_by(|a, b| away(a).total_cmp(&away(b))).map(|stop| stop.low.clone())
+                stops.min_by(|a, b| away(a).total_cmp(&away(b))).map(|stop| stop.low().clone())
             };
             let starts = [near(&mut narrow.iter()), near(&mut stops.iter().copied())];
             let stop = starts.into_iter().flatten().find_map(|start| {
-                let mut stop = places.low(sole, *place, LOW, &start)?;
+                let mut stop = Stop { worth: WORTH_NARROW, ..places.low(sole, *place, LOW, &start)? };
                 places.rise(&mut stop).then_some(stop)
             });
             narrow.extend(stop);
@@ -289,7 +299,7 @@ impl Actor {
                 let place = [forward, side * (ACROSS[0] + LANE * k as f64)];
                 let point = map.plane.point([place[0], place[1], LOW]);
                 let mut starts: Vec<&Posture> = Vec::new();
-                starts.extend(stops.last().into_iter().flatten().map(|stop| &stop.low));
+                starts.extend(stops.last().into_iter().flatten().map(Stop::low));
                 starts.extend(before.get(k).into_iter().flatten());
                 let mut near: Vec<_> =
                     drawn.iter().map(|(at, posture)| ((at - point).norm_squared(), posture)).collect();
@@ -314,7 +324,7 @@ impl Actor {
                 }
                 stops.push(best);
             }
-            before = stops.iter().map(|stop| stop.as_ref().map(|stop| stop.low.clone())).collect();
+            before = stops.iter().map(|stop| stop.as_ref().map(|stop| stop.low().clone())).collect();
             let mut stops: Vec<Stop> = stops.into_iter().flatten().collect();
             // From its own side inwards, and back on the next lane.
             if lane % 2 == 0 {
@@ -335,7 +345,7 @@ impl Actor {
     /// How far a hand gets so high over a table, all about it, from where it gets low.
     fn rim_of(&self, hand: usize, places: &Places, lanes: &[Vec<Stop>], height: f64) -> Vec<Stop> {
         let sole = Place { direction: Vector3::zeros(), ..self.own.place(self.hands[hand].tip) };
-        let inner: Vec<&Stop> = lanes.iter().flatten().filter(|stop| !stop.rim).collect();
+        let inner: Vec<&Stop> = lanes.iter().flatten().filter(|stop| !stop.is_rim()).collect();
         let Some(nearest) = inner.iter().map(|stop| stop.at[0]).reduce(f64::min) else { return Vec::new() };
         let middle = inner.iter().map(|stop| stop.at[1]).sum::<f64>() / inner.len() as f64;
         let polar = |stop: &Stop| {
@@ -355,16 +365,16 @@ impl Actor {
             let Some(last) = last else { continue };
             let (from, mut found) = (polar(last).0 - LANE, None::<Stop>);
             // From beside the last place first: so that the arm need but turn from the one to the other.
-            let beside = rim.last().map(|stop| &stop.low);
+            let beside = rim.last().map(Stop::low);
             for step in 0..=RIM_STEPS {
                 let radius = from + RIM_STEP * f64::from(step);
                 let place = [nearest + radius * angle.cos(), middle + radius * angle.sin()];
                 let starts = match &found {
-                    Some(found) => vec![&found.low],
-                    None => beside.into_iter().chain([&last.low]).collect(),
+                    Some(found) => vec![found.low()],
+                    None => beside.into_iter().chain([last.low()]).collect(),
                 };
                 let stop = starts.into_iter().find_map(|start| places.low(sole, place, height, start));
-                found = stop.map(|stop| Stop { rim: true, ..stop }).or(found);
+                found = stop.map(|stop| Stop { worth: WORTH_FAR, ..stop }).or(found);
             }
             if let Some(mut stop) = found
                 && places.rise(&mut stop)

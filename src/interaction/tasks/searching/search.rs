@@ -4,17 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
 
-use super::clusters::{self, FeltThing};
 use super::plan::{SEARCHED, SearchPlan, Stop};
 use crate::interaction::actor::FoundThing;
 use crate::peripersonal::{CELL, SearchedMap};
 
-/// A place is worth going to for so many cells that were not searched …
-const WORTH: usize = 7;
-/// … with fingers alone for so many …
-const WORTH_NARROW: usize = 4;
-/// … and as far away as a hand gets for so many.
-const WORTH_FAR: usize = 3;
 /// A lane is left to the next one where it alone would search fewer cells than this.
 const LANE_WORTH: usize = 30;
 /// What is nearer than this to where something was felt is taken for that thing, metres.
@@ -23,6 +16,15 @@ const AT: f64 = 0.02;
 const UNSEARCHED: usize = 16;
 /// Touches farther apart than this do not tell that there is nothing to be felt between them, metres.
 const ACROSS: f64 = 0.045;
+/// Touches farther apart than this are not taken for those of one thing by themselves, metres: what is larger is touched at
+/// places that are nearer.
+const TOGETHER: f64 = 0.07;
+/// By so much skin passed lower than both touches where it parts them, metres.
+const LOWER: f64 = 0.015;
+/// So much of the way between two touches may be empty, metres: a touch is known to a centimetre or two.
+const EMPTY: f64 = 0.012;
+/// And so much at either end is not looked at, metres.
+const END: f64 = 0.012;
 /// By so much skin must pass lower than a thing was felt to be where it is no more, metres …
 const BENEATH: f64 = 0.004;
 /// … in as many as this of nine cells.
@@ -51,6 +53,30 @@ pub struct Feeling {
     pub gone: bool,
 }
 
+impl Feeling {
+    /// How far it is from another over the table, metres.
+    fn away(&self, other: &Feeling) -> f64 {
+        (self.at[0] - other.at[0]).hypot(self.at[1] - other.at[1])
+    }
+
+    /// Whether no skin has passed between two touches lower than both: where it has there is no thing that reaches from one to
+    /// the other.
+    fn hangs_together_with(&self, other: &Feeling, map: &SearchedMap) -> bool {
+        let [p, q] = [self, other].map(|felt| [felt.at[0], felt.at[1]]);
+        let lower = self.at[2].min(other.at[2]) - LOWER;
+        map.longest_empty(p, q, END, lower.max(SEARCHED)) < EMPTY.max(CELL)
+    }
+}
+
+/// A thing as it was felt in a search.
+#[derive(Clone, Debug)]
+pub struct FeltThing {
+    /// Its touches, as indices into [`Search::felt`].
+    pub touches: Vec<usize>,
+    /// The middle of them in the root's frame, metres.
+    pub at: Vector3<f64>,
+}
+
 /// A search of a table, as far as it got.
 pub struct Search {
     pub(super) plan: SearchPlan,
@@ -68,8 +94,6 @@ pub struct Search {
     again: bool,
     /// Whether places for fingers alone have been added.
     pub(super) narrowed: bool,
-    /// How many lanes are for whole hands.
-    wide: usize,
     /// Per cell how high what was felt there is, metres, and whether the cell is taken up by a thing.
     tops: Vec<f64>,
     taken: Vec<bool>,
@@ -91,7 +115,6 @@ impl Search {
         let cells = map.cells();
         Search {
             narrowed: false,
-            wide: plan.lanes.len(),
             tops: vec![f64::NEG_INFINITY; cells],
             taken: vec![false; cells],
             upsets: 0,
@@ -112,9 +135,31 @@ impl Search {
         &self.plan.lanes[lane][k]
     }
 
-    /// The things that were felt, in the order in which they were felt first.
+    /// The things that were felt, in the order in which they were felt first: touches that belong together by where they are and
+    /// by the free space between them.
     pub fn things(&self) -> Vec<FeltThing> {
-        clusters::things(&self.map, &self.felt)
+        let felt = &self.felt;
+        let mut group: Vec<usize> = (0..felt.len()).collect();
+        let are_one = |a: &Feeling, b: &Feeling| a.away(b) <= TOGETHER && a.hangs_together_with(b, &self.map);
+        for i in 0..felt.len() {
+            for j in 0..i {
+                if group[i] != group[j] && !felt[i].gone && !felt[j].gone && are_one(&felt[i], &felt[j]) {
+                    let (old, new) = (group[i].max(group[j]), group[i].min(group[j]));
+                    group.iter_mut().filter(|g| **g == old).for_each(|g| *g = new);
+                }
+            }
+        }
+        let firsts = (0..felt.len()).filter(|&i| group[i] == i && !felt[i].gone);
+        let thing = |first: usize| {
+            let touches: Vec<usize> = (first..felt.len()).filter(|&i| group[i] == first).collect();
+            let points = touches.iter().map(|&i| felt[i].found.point);
+            let (low, high) = points
+                .fold((felt[first].found.point, felt[first].found.point), |(low, high), point| {
+                    (low.inf(&point), high.sup(&point))
+                });
+            FeltThing { touches, at: 0.5 * (low + high) }
+        };
+        firsts.map(thing).collect()
     }
 
     /// Whether a thing at a point of the root's frame would have been felt: whether skin has been low over that place.
@@ -185,8 +230,8 @@ impl Search {
             take(place(a));
             for b in &live[..i] {
                 let [p, q] = [place(a), place(b)];
-                let length = (p[0] - q[0]).hypot(p[1] - q[1]);
-                if length <= ACROSS && clusters::nothing_parts(&self.map, a, b) {
+                let length = a.away(b);
+                if length <= ACROSS && a.hangs_together_with(b, &self.map) {
                     let steps = (length / CELL).ceil() as usize;
                     (1..steps)
                         .for_each(|k| take([0, 1].map(|x| p[x] + (q[x] - p[x]) * k as f64 / steps as f64)));
@@ -271,7 +316,7 @@ impl Search {
     fn lane_is_worth(&self, lane: usize) -> bool {
         let here = &self.plan.lanes[lane];
         let Some(hand) = here.first().map(|stop| stop.hand) else { return false };
-        if here[0].rim {
+        if here[0].is_rim() {
             return true;
         }
         let next = self.plan.lanes.iter().skip(lane + 1).take(2);
@@ -305,20 +350,20 @@ impl Search {
                 continue;
             }
             self.next = [lane, k + 1];
-            if self.gain(self.stop([lane, k])) >= self.worth([lane, k]) {
+            if self.is_worth([lane, k]) {
                 return Some([lane, k]);
             }
         }
         // What the lanes left: where most is to be searched first, with the hand that is there already.
         let hand = self.at.map(|(at, _)| self.stop(at).hand);
-        let worth = |at: &[usize; 2]| {
+        let order = |at: &[usize; 2]| {
             let stop = self.stop(*at);
             (Some(stop.hand) == hand, self.gain(stop))
         };
         let best = self
             .allowed()
-            .filter(|&at| self.tried[at[0]][at[1]] < TRIES && self.gain(self.stop(at)) >= self.worth(at))
-            .max_by_key(worth);
+            .filter(|&at| self.tried[at[0]][at[1]] < TRIES && self.is_worth(at))
+            .max_by_key(order);
         if best.is_some() || !self.narrowed {
             return best;
         }
@@ -327,13 +372,9 @@ impl Search {
         best
     }
 
-    /// For how many cells it goes to a place.
-    fn worth(&self, [lane, k]: [usize; 2]) -> usize {
-        match lane < self.wide {
-            true if self.plan.lanes[lane][k].rim => WORTH_FAR,
-            true => WORTH,
-            false => WORTH_NARROW,
-        }
+    /// Whether a place would search enough to go there.
+    fn is_worth(&self, at: [usize; 2]) -> bool {
+        self.gain(self.stop(at)) >= self.stop(at).worth
     }
 
     /// Cells to which fingers alone may get.
