@@ -31,6 +31,14 @@ pub(crate) fn listed(names: &[String]) -> String {
     }
 }
 
+/// Names in a row as a person says them: `a, b and c`.
+pub(crate) fn enumerated(names: &[String]) -> String {
+    match names {
+        [first @ .., next, last] if !first.is_empty() => format!("{}, {next} and {last}", first.join(", ")),
+        names => names.join(" and "),
+    }
+}
+
 /// A name of a model as a person says it.
 pub(crate) fn in_words(name: &str) -> String {
     name.replace('_', " ")

@@ -108,29 +108,24 @@ impl PosedBody<'_> {
     fn new(actor: &Actor) -> PosedBody<'_> {
         let own = &actor.own;
         let frames = own.frames(&own.at_ease());
-        let known = own_names_of_limbs(actor);
+        let (limbs, auras) = (own.creature().limbs().iter(), own.creature().aura_limbs().iter());
+        let known: Vec<Vec<String>> =
+            limbs.chain(auras.map(|aura| &aura.name)).map(|name| name_words(name)).collect();
         let names = own.skin().receptors.iter().map(|receptor| {
             // The tip of a stick is no part of the body that has a name.
             if receptor.id == STICK_TIP {
                 return Vec::new();
             }
-            let aura = own
-                .creature()
-                .aura_of(receptor.limb)
-                .map(|aura| own.creature().aura_limbs()[aura].name.clone());
-            let limb = own.creature().limbs()[receptor.limb].clone();
-            let patch = patch_name(&receptor.id).to_string();
+            let aura = own.creature().aura_of(receptor.limb);
+            let aura = aura.map(|aura| name_words(&own.creature().aura_limbs()[aura].name));
+            let limb = name_words(&own.creature().limbs()[receptor.limb]);
+            let patch = name_words(patch_name(&receptor.id));
             // Skin that is called otherwise than its limb is not that limb's: legs that do not move are the pelvis'.
-            let patch_words = name_words(&patch);
-            let foreign = aura.as_ref().is_some_and(|aura| name_words(aura) != patch_words)
-                && !known.contains(&patch_words)
-                && !patch_words.is_empty();
-            let mut names = vec![patch_words];
-            if !foreign {
-                names.push(name_words(&limb));
-                names.extend(aura.iter().map(|aura| name_words(aura)));
-            }
-            names
+            let foreign = aura.as_ref().is_some_and(|aura| *aura != patch)
+                && !known.contains(&patch)
+                && !patch.is_empty();
+            let others = std::iter::once(limb).chain(aura).filter(|_| !foreign);
+            std::iter::once(patch).chain(others).collect()
         });
         let names = names.collect();
         PosedBody { actor, frames, names }
@@ -311,13 +306,6 @@ impl PosedBody<'_> {
         }
         self.part(name, skin, tip).map(|part| vec![part])
     }
-}
-
-/// The words of the names of limbs and auras.
-fn own_names_of_limbs(actor: &Actor) -> Vec<Vec<String>> {
-    let creature = actor.own.creature();
-    let auras = creature.aura_limbs().iter().map(|aura| aura.name.as_str());
-    creature.limbs().iter().map(String::as_str).chain(auras).map(name_words).collect()
 }
 
 /// Whether two names are of the same words, in whatever order.

@@ -306,6 +306,15 @@ impl CollisionChecker {
         pieces.map(|piece| obstacle.gap(&piece)).fold(f64::INFINITY, f64::min)
     }
 
+    /// The exact gap between two limbs by their pieces that feel each other, metres, negative where they are in each other;
+    /// `None` if none do.
+    pub fn gap(&self, frames: &[Frame], limbs: [usize; 2]) -> Option<f64> {
+        let [a, b] = limbs;
+        let pair = self.pairs.iter().find(|pair| pair.limbs == [a.min(b), a.max(b)])?;
+        let gaps = self.pieces_of(frames, pair, f64::INFINITY).map(|[p, q]| gap(&p, &q, Precision::Exact));
+        gaps.map(|gap| gap.distance).reduce(f64::min)
+    }
+
     /// Whether obstacles matter to a limb: whether it moves.
     pub fn is_exposed(&self, limb: usize) -> bool {
         self.exposed[limb]

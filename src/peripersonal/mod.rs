@@ -11,7 +11,7 @@
 //!                                     ├─ velocity     joint velocities that do one thing and keep clear of others
 //!                                     ├─ felt_surface where on a receptor something touches, and how it is curved
 //!                                     ├─ path         paths through postures that keep clear
-//!                                     ├─ posture_program, farthest   postures that are best and keep all they are to keep
+//!                                     ├─ posture_program   postures that are best and keep all they are to keep
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
 //!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
 //!                                     └─ reachable    the voxels that a hand can get to: flood, lattice
@@ -21,7 +21,6 @@
 //! reachable in the chest's frame `C` in the rest posture.
 
 mod collision;
-mod farthest;
 mod felt_shape;
 mod felt_surface;
 mod flood;
@@ -41,7 +40,6 @@ mod tests;
 mod velocity;
 
 pub use collision::{CollisionChecker, LimbPieces, Nearness};
-pub use farthest::farthest_postures;
 pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate};
 pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
@@ -50,7 +48,7 @@ pub use obstacle::Obstacle;
 pub use own_body::{Doubt, OwnBody};
 pub use palm::{Palm, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
-pub use posture_program::{KEPT, PosedPlace, PostureProgram};
+pub use posture_program::{KEPT, PosedPlace, PostureProgram, farthest_postures};
 pub use reachable::{COARSE, FINE, Level, Reach, ReachableMap, voxel_side};
 pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
 pub use searched::{CELL, Cell, SearchedMap, SkinPoints, TablePlane};

@@ -11,6 +11,7 @@ use crate::creature::{Creature, Posture};
 use crate::geometry::Frame;
 use crate::kinematics::{Chain, InverseKinematics, Place, limb_frames};
 use crate::learning::{Account, Certainty, Learned};
+use crate::named::enumerated;
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -49,16 +50,12 @@ impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list = |joints: &[String]| match joints {
             [] => "the joints between".to_string(),
-            [one] => one.clone(),
-            [first @ .., last] => format!("{} and {last}", first.join(", ")),
+            joints => enumerated(joints),
         };
         match self {
-            Doubt::Unknown => {
-                write!(
-                    f,
-                    "I cannot say how far off I may be, because no held-out touch confirms what I learned"
-                )
-            }
+            Doubt::Unknown => f.write_str(
+                "I cannot say how far off I may be, because no held-out touch confirms what I learned",
+            ),
             Doubt::Inexact { joints, deviation } => {
                 write!(f, "I may be {:.0} mm off, for I hardly know {}", 1e3 * deviation, list(joints))
             }

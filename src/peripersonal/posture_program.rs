@@ -12,12 +12,16 @@
 //! Successive linear programming with an ℓ1 merit function and a trust region (Fletcher and Sainz de la Maza 1989; Nocedal and
 //! Wright 2006, section 18.5), each step a little curved so that it has one best end: what it cannot keep it breaks at a price.
 //! With exact second derivatives a program takes fewer steps and comes to the same postures within a fifth of a millimetre. What
-//! it finds is the best near where it begins, so that it is begun from many postures (`farthest`).
+//! it finds is the best near where it begins: what a single start leads to may be a fifth short of the farthest. So it is begun from
+//! many postures, and anew from near the best, for small changes of a good one lead to better ones (basin hopping, Wales and Doye
+//! 1997).
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use rand::{Rng, RngExt};
 
 use super::collision::{CollisionChecker, Nearness};
 use super::own_body::OwnBody;
+use super::path::distance;
 use crate::creature::Posture;
 use crate::geometry::tangent_basis;
 use crate::kinematics::{Condition, Feature, FreeMotions, Freedoms, Place, QuadraticProgram};
@@ -48,6 +52,19 @@ const CORRECTIONS: usize = 3;
 const EXACT: f64 = 1e-7;
 /// How far what is to be kept may be off in a posture that keeps it, metres.
 pub const KEPT: f64 = 2e-4;
+
+/// Steps of a first look from a start.
+const FIRST_LOOK: usize = 25;
+/// Rounds in which the best are begun from anew, …
+const HOPS: usize = 3;
+/// … so many of them, …
+const HOPPING: usize = 3;
+/// … from where their joints are these shares of the way to a random posture.
+const CHANGES: [f64; 4] = [0.05, 0.12, 0.25, 0.4];
+/// Postures that are told at most, …
+const TOLD: usize = 8;
+/// … which differ by this much, in radians.
+const DIFFERENT: f64 = 0.1;
 
 /// What a posture is to be like.
 #[derive(Clone, Debug)]
@@ -290,4 +307,53 @@ impl<'a> PostureProgram<'a> {
         let promised = won + PRICE * (broken(&DVector::zeros(n)) - broken(&found));
         Some((found.as_slice().to_vec(), promised))
     }
+}
+
+/// The postures in which a place is farthest, as a program has it, the farthest first; joints that do not move are as in
+/// all `starts`. What is drawn is drawn by `rng`.
+pub fn farthest_postures(
+    own: &OwnBody,
+    program: &PostureProgram,
+    joints: &[usize],
+    starts: &[Posture],
+    rng: &mut impl Rng,
+) -> Vec<PosedPlace> {
+    let mut found: Vec<PosedPlace> =
+        starts.iter().map(|start| program.solve_within(start, FIRST_LOOK)).collect();
+    for _ in 0..HOPS {
+        sort(&mut found, HOPPING);
+        let mut hops = Vec::new();
+        for best in &found {
+            for share in CHANGES {
+                // Some joints go far, others hardly.
+                let other = own.random_posture(&best.posture, joints, rng);
+                let mut start = best.posture.clone();
+                for (at, other) in start.iter_mut().zip(other.iter()) {
+                    let far: f64 = rng.random_range(0.0..2.0);
+                    *at += far.min(1.0) * share * (other - *at);
+                }
+                own.creature().couple(&mut start);
+                hops.push(program.solve_within(&start, FIRST_LOOK));
+            }
+        }
+        found.append(&mut hops);
+    }
+    sort(&mut found, TOLD);
+    let mut last: Vec<PosedPlace> = found.iter().map(|best| program.solve(&best.posture)).collect();
+    last.retain(PosedPlace::kept);
+    sort(&mut last, TOLD);
+    last
+}
+
+/// Keeps the best that differ, those that keep everything before those that do not.
+fn sort(found: &mut Vec<PosedPlace>, most: usize) {
+    found.sort_by(|a, b| b.kept().cmp(&a.kept()).then(b.along.total_cmp(&a.along)));
+    let mut kept: Vec<PosedPlace> = Vec::new();
+    for posed in found.drain(..) {
+        let differs = |other: &PosedPlace| distance(&other.posture, &posed.posture) > DIFFERENT;
+        if kept.len() < most && kept.iter().all(differs) {
+            kept.push(posed);
+        }
+    }
+    *found = kept;
 }

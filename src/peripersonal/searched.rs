@@ -72,10 +72,11 @@ pub struct SearchedMap {
     /// The table.
     pub plane: TablePlane,
     size: [usize; 2],
-    /// Per cell, the lowest height over the table at which skin was over it, metres.
-    passed: Vec<f64>,
+    /// Per cell, the lowest height over the table at which skin was over it, metres: there is nothing above it; infinite where no
+    /// skin has passed.
+    pub passed: Vec<f64>,
     /// The same of the last motion alone.
-    lately: Vec<f64>,
+    pub lately: Vec<f64>,
     /// Per cell, whether some posture brings skin low enough to it.
     pub reached: Vec<bool>,
 }
@@ -124,11 +125,6 @@ impl SearchedMap {
         })
     }
 
-    /// A motion begins.
-    pub fn begin_motion(&mut self) {
-        self.lately.fill(f64::INFINITY);
-    }
-
     /// Skin passes over the table in a posture and touches nothing but what it has just met.
     pub fn pass(&mut self, skin: &SkinPoints, frames: &[Frame]) {
         for point in skin.at(frames) {
@@ -140,12 +136,6 @@ impl SearchedMap {
         }
     }
 
-    /// The height over the table above which there was nothing in a cell in the last motion, metres; infinite where it did
-    /// not pass there.
-    pub fn passed_lately(&self, cell: Cell) -> f64 {
-        self.lately[cell]
-    }
-
     /// What was searched so near to a place, forward and to the left, metres, may have changed since.
     pub fn forget_about(&mut self, [forward, left]: [f64; 2], radius: f64) {
         for cell in 0..self.cells() {
@@ -154,11 +144,6 @@ impl SearchedMap {
                 self.passed[cell] = f64::INFINITY;
             }
         }
-    }
-
-    /// The height over the table above which there is nothing in a cell, metres; infinite where no skin has passed.
-    pub fn passed(&self, cell: Cell) -> f64 {
-        self.passed[cell]
     }
 
     /// The cells that can be reached.

@@ -11,7 +11,6 @@ use rand_chacha::ChaCha8Rng;
 
 use super::Trouble;
 use crate::creature::Posture;
-use crate::geometry::{Frame, Precision, gap};
 use crate::interaction::actor::Actor;
 use crate::kinematics::Chain;
 use crate::learning::{BodyChange, Certainty, Learner, Online, What};
@@ -73,21 +72,6 @@ struct Told {
 }
 
 impl Actor {
-    /// How far apart the schema has two limbs, metres; negative if it has them in each other. Surfaces that overlap in the rest
-    /// posture do not count. `None` if no others are known.
-    fn gap_of_own(&self, limbs: [usize; 2]) -> Option<f64> {
-        let [now, at_ease] = [self.frames(), self.own.frames(&self.own.at_ease())];
-        let on = |k: usize| self.own.skin().surfaces.iter().filter(move |surface| surface.limb == limbs[k]);
-        let gaps = on(0).flat_map(|a| on(1).map(move |b| [a, b])).filter_map(|[a, b]| {
-            let at = |frames: &[Frame]| {
-                let [a, b] = [a.placed(&frames[limbs[0]])?, b.placed(&frames[limbs[1]])?];
-                Some(gap(&a, &b, Precision::Exact).distance)
-            };
-            at(&at_ease).filter(|apart| *apart > 0.0).and_then(|_| at(&now))
-        });
-        gaps.reduce(f64::min)
-    }
-
     /// Takes in whether two limbs touched that the schema has apart or in each other. The limbs count, not the receptors: a sensor
     /// reads what presses under its patch on any surface of its limb, and which receptors met when several fire is not known.
     pub(in crate::interaction) fn heed_own_touch(&mut self, felt: &[SkinContact]) {
@@ -95,7 +79,7 @@ impl Actor {
             let spots = [contact.spot, contact.by.own()?];
             // A stick's tip is known otherwise.
             let bare = spots.iter().all(|spot| Some(spot.receptor) != self.stick_tip());
-            let off = self.gap_of_own(spots.map(|spot| spot.limb));
+            let off = self.clearance.gap(&self.frames(), spots.map(|spot| spot.limb));
             let off = off.filter(|off| bare && off.abs() > UNEXPECTED)?;
             Some((spots.map(|spot| spot.receptor), off))
         });

@@ -36,8 +36,7 @@ pub(super) const EXPLORE: RequestKind = RequestKind::of_body(
      SOME out there; what have|do we|you|i ?have|get ?there|here ON|before|around",
 );
 
-pub(super) const HOW_MANY: RequestKind = RequestKind::new(
-    ["count the things", "counted the things"],
+pub(super) const HOW_MANY: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| {
         let not_searched = match &creature.search {
             Some(search) if search.done => creature.unsearched(),

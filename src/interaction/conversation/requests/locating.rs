@@ -7,11 +7,10 @@ use crate::geometry::Capsule;
 use crate::interaction::body_part::{self, BodyPart};
 use crate::interaction::conversation::grammar::{End, PartName, Request};
 use crate::interaction::things::KnownThing;
-use crate::named::in_words;
+use crate::named::{enumerated, in_words};
 use crate::peripersonal::Level;
 
-pub(super) const HOW_FAR: RequestKind = RequestKind::new(
-    ["tell how far it is", "told how far it is"],
+pub(super) const HOW_FAR: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| creature.asked_about().map_or_else(|answer| answer, |it| creature.how_far(it))),
     "asked: how many cms; how FAR do you have ?to; GAP & !close|BODY; distance|range ?to|of|from|between \
      ?THING|it; UNIT ?off|away|from|or; how many|much UNIT|FAR|MORE|space|room; how SIZED|FAR a|be way; how long \
@@ -19,12 +18,13 @@ pub(super) const HOW_FAR: RequestKind = RequestKind::new(
      long way off|away",
 );
 
-pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::of_body(
-    ["tell whether I reach it", "told whether I reach it"],
-    Act::Tells(|creature, request| {
-        creature.asked_about().map_or_else(|answer| answer, |it| creature.near_or_far(it, request))
-    }),
-    "asked: FAR or|versus|and|not ?NEAR; or ?some ?long way off|away; within|in|inside|out|outside|beyond|at ?of \
+pub(super) const NEAR_OR_FAR: RequestKind = RequestKind {
+    needs_body: true,
+    ..RequestKind::answer(
+        Act::Tells(|creature, request| {
+            creature.asked_about().map_or_else(|answer| answer, |it| creature.near_or_far(it, request))
+        }),
+        "asked: FAR or|versus|and|not ?NEAR; or ?some ?long way off|away; within|in|inside|out|outside|beyond|at ?of \
      ?easy|your|HAND|arm ?arm|easy RANGE & !put; REACHABLE; be THING|SOME|there ?still|ALL|that|BIT ?that NEAR|FAR \
      & !from|how|where; have|need|must|do you|i|BODY ?have|need ?to REACH|LEAN|step; \
      able|possible|manage|easy|hard|difficult|capable of|to|for ?you ?to REACH|TOUCH|get|GRAB|=reaching|=touching; \
@@ -32,19 +32,21 @@ pub(super) const NEAR_OR_FAR: RequestKind = RequestKind::of_body(
      THING|SOME|to|that|at|there; able; BODY long|enough; BODY be ?long enough|long; REACH THING|SOME|that|there; \
      get at|to THING; HELPING THING be =reached|=touched|=grasped; near enough; close enough; far enough; FAR $; \
      which ?THING be NEAR; HELPING .. need|have ?to LEAN",
-);
+    )
+};
 
-pub(super) const WHERE_OWN: RequestKind = RequestKind::of_body(
-    ["tell where it is", "told where it is"],
-    Act::Tells(Conversation::where_own),
-    "told: show ?me BODY; asked: WHEREABOUTS .. BODY; be BODY ?still \
+pub(super) const WHERE_OWN: RequestKind = RequestKind {
+    needs_body: true,
+    ..RequestKind::answer(
+        Act::Tells(Conversation::where_own),
+        "told: show ?me BODY; asked: WHEREABOUTS .. BODY; be BODY ?still \
      bent|raised|resting|hanging|pointing|ON|up|down|out|under|below|behind|beside|left|right|by|above|STILL|UPRIGHT|high|low|higher|lower|near|close|stretched|extended; \
      how|what ?low|FAR|SIZED|bent ?out|up|off|down be|DO|have BODY; which|what WHEREABOUTS|side|way|height|level \
      .. BODY; TELL|know|find BODY $; BODY .. ?is WHEREABOUTS",
-);
+    )
+};
 
-pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
-    ["tell where I feel it", "told where I feel it"],
+pub(super) const WHERE_FELT: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| Answer::tells(creature.where_felt())),
     "asked: where|whereabouts .. THING|SOME|FEEL|TOUCH|they|FIND|i|we; WHEREABOUTS of|OF|be THING|SOME|you; \
      WHEREABOUTS; which|what WHEREABOUTS|side|part|limb|way|receptor|finger; be THING ?MORE \
@@ -55,8 +57,7 @@ pub(super) const WHERE_FELT: RequestKind = RequestKind::new(
      ?your BODY|skin|body|you; behind|front|left|right .. or; past: where & you|THING|SOME|BODY|HAND",
 );
 
-pub(super) const WHAT_FELT: RequestKind = RequestKind::new(
-    ["tell what I feel", "told what I feel"],
+pub(super) const WHAT_FELT: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| creature.what_felt()),
     "asked: can|could you FEEL ?SOME|THING|ANY; what HELPING you|BODY|HAND FEEL|TOUCH; ^ still FEEL THING|SOME; \
      what|HELPING|how|tell|if|whether|any .. FEEL|detect|contact; what|be|do|how .. =touching|=touches|=feeling; \
@@ -66,14 +67,6 @@ pub(super) const WHAT_FELT: RequestKind = RequestKind::new(
      under|beneath|ON HAND|BODY; do|be you|BODY|HAND ?still TOUCH|carry|FEEL|GRAB ?SOME|THING; have|do|be you|BODY \
      ?have|get hold|grip of; receptors|receptor; get|have SOME ?ON BODY",
 );
-
-/// Names as they are listed: "a, b and c".
-fn listed(names: &[String]) -> String {
-    match names {
-        [first @ .., next, last] if !first.is_empty() => format!("{}, {next} and {last}", first.join(", ")),
-        names => names.join(" and "),
-    }
-}
 
 impl Conversation {
     /// The thing that a question is about.
@@ -100,7 +93,7 @@ impl Conversation {
         let stick = self.actor.from_stick(&known.at);
         let stick = stick
             .map_or(String::new(), |distance| format!("; the stick in my hand is {} from it", cm(distance)));
-        Answer::tells(format!("It is {}: {}{near}{stick}", self.place(&known.at), listed(&hands)))
+        Answer::tells(format!("It is {}: {}{near}{stick}", self.place(&known.at), enumerated(&hands)))
     }
 
     /// From the map of what its hands reach, which knows joints' ranges and nothing in the way.
@@ -122,7 +115,7 @@ impl Conversation {
             };
             let names: Vec<String> = of_level.map(name).collect();
             let verb = if names.len() == 1 { "reaches" } else { "reach" };
-            (!names.is_empty()).then(|| format!("{} {verb} it {how}", listed(&names)))
+            (!names.is_empty()).then(|| format!("{} {verb} it {how}", enumerated(&names)))
         };
         let near = reach(Level::Near, "without leaning");
         let far = reach(Level::Far, "only if I lean forward");

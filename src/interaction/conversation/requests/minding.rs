@@ -3,8 +3,7 @@
 use super::{Act, Answer, RequestKind, doing};
 use crate::interaction::conversation::speaking::place_in_words;
 
-pub(super) const DONT: RequestKind = RequestKind::new(
-    ["", ""],
+pub(super) const DONT: RequestKind = RequestKind::answer(
     Act::Minds(|mind, _, request| {
         let Some(intent) = request.about else {
             return Answer::done("All right, I will not do that");
@@ -15,8 +14,7 @@ pub(super) const DONT: RequestKind = RequestKind::new(
     "",
 );
 
-pub(super) const KEEP_STILL: RequestKind = RequestKind::new(
-    ["keep still", "kept still"],
+pub(super) const KEEP_STILL: RequestKind = RequestKind::answer(
     Act::Minds(|mind, _, _| {
         mind.still = true;
         Answer::done("I will keep still until you ask me to do something")
@@ -30,8 +28,7 @@ pub(super) const KEEP_STILL: RequestKind = RequestKind::new(
      =fidgeting|=moving|=wriggling|=squirming|STIR",
 );
 
-pub(super) const STOP: RequestKind = RequestKind::new(
-    ["stop", "stopped"],
+pub(super) const STOP: RequestKind = RequestKind::answer(
     Act::Minds(|mind, _, _| {
         mind.still = true;
         Answer::done("I have stopped and will stay as I am")
@@ -61,8 +58,7 @@ pub(super) const FORGET: RequestKind = RequestKind::new(
      denied: not|longer remember",
 );
 
-pub(super) const QUIT: RequestKind = RequestKind::new(
-    ["end our talk", "ended our talk"],
+pub(super) const QUIT: RequestKind = RequestKind::answer(
     Act::Minds(|mind, _, _| {
         mind.over = true;
         Answer::done("Goodbye")

@@ -27,7 +27,7 @@ use crate::interaction::things::KnownThing;
 
 /// A request that a creature understands.
 pub(super) struct RequestKind {
-    /// What it is called in a sentence, and when it is done: `touch it`, `touched it`.
+    /// What it is called where it is done or forbidden, and when it is done: `touch it`, `touched it`.
     doing: [&'static str; 2],
     /// The words that mean it: patterns, after how they are said. `told:` or asked to do it, `asked:` for an answer, asked of what
     /// was `past:`, `denied:` something, or `said:` alone, in whatever sentence.
@@ -97,6 +97,11 @@ impl From<Reply> for Answer {
 }
 
 impl RequestKind {
+    /// One that is answered at once.
+    const fn answer(act: Act, words: &'static str) -> RequestKind {
+        RequestKind::new(["do that", "did that"], act, words)
+    }
+
     const fn new(doing: [&'static str; 2], act: Act, words: &'static str) -> RequestKind {
         RequestKind { doing, words, needs_body: false, act }
     }

@@ -32,16 +32,14 @@ pub(super) const FEEL_SHAPE: RequestKind = RequestKind::of_body(
      places|sides|points|spots|times & MORE|NUMBER|ALL|different",
 );
 
-pub(super) const HOW_BIG: RequestKind = RequestKind::new(
-    ["tell how big it is", "told how big it is"],
+pub(super) const HOW_BIG: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| creature.felt_in_words("how big it is")),
     "asked: how SIZED .. THING; as SIZED as; SIZE; be|do THING|SOME ?seem|feel|look|appear ?that|ALL|BIT SIZED; \
      bigger|smaller|larger|taller|wider|longer|higher ?or|than; fit in|into|inside|between ?one|your HAND|BODY; \
      THING ?be SIZED; small|big|large enough",
 );
 
-pub(super) const WHAT_SHAPE: RequestKind = RequestKind::new(
-    ["tell its shape", "told its shape"],
+pub(super) const WHAT_SHAPE: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| creature.felt_in_words("its shape")),
     "told: TELL ?me ?about its|the FORM; asked: HELPING THING be SOME; FORM; be|do THING|SOME|they \
      ?seem|feel|look|have|got|get ?any|MORE|like|ALL|to ?be ?be ?like SHAPED; be|do THING|SOME ?seem|feel|look \

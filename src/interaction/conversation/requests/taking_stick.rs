@@ -23,11 +23,8 @@ pub(super) const GIVE_STICK_BACK: RequestKind = RequestKind::new(
      BACK; denied: STOP =using|=holding STICK",
 );
 
-pub(super) const STICK_KNOWN: RequestKind = RequestKind::new(
-    ["tell what I know of the stick", "told what I know of the stick"],
-    Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())),
-    "asked: STICK",
-);
+pub(super) const STICK_KNOWN: RequestKind =
+    RequestKind::answer(Act::Tells(|creature, _| Answer::tells(creature.stick_in_words())), "asked: STICK");
 
 impl Conversation {
     /// Holds out a hand for a stick, and learns it by touching himself with it; gives it back where he cannot tell where its

@@ -15,32 +15,28 @@ way of what comes; tell what I did; forget, do it again, rest, keep still. \"Qui
 /// How many of the last things that it did are told.
 const LAST: usize = 4;
 
-pub(super) const GREET: RequestKind = RequestKind::new(
-    ["", ""],
+pub(super) const GREET: RequestKind = RequestKind::answer(
     Act::Tells(|_, _| Answer::tells("Hello. I cannot see you, but I hear you: what shall I do?")),
     "said: GOOD to meet|see you; how have you be; ^ HELLO; ^ GOOD morning|afternoon|evening|day; ^ \
      morning|evening|afternoon; make your acquaintance; asked: how be THING|life|things|you|ALL ?going; how do you \
      do; you|are|be ?you ok|okay|alright|well $; what be UP $; what be new",
 );
 
-pub(super) const THANKS: RequestKind = RequestKind::new(
-    ["", ""],
+pub(super) const THANKS: RequestKind = RequestKind::answer(
     Act::Tells(|_, _| Answer::tells("You are welcome")),
     "said: THANKS ?you|THING|many|much ?for|ALL|so ?THING|your ?help|much; impressed; well|nicely =done|do; ^ GOOD \
      BEING|boy|one; GOOD of you; GOOD job|work|effort; how kind; THING be ?so GOOD; you be GOOD; very|so GOOD; ^ \
      GOOD $; past: you =have =been ?GOOD help|GOOD; ^ that be ?so GOOD ?of ?you",
 );
 
-pub(super) const YES: RequestKind = RequestKind::new(
-    ["", ""],
+pub(super) const YES: RequestKind = RequestKind::answer(
     Act::Tells(|_, _| Answer::tells("Good; but I did not ask you anything")),
     "said: i agree; ^ YES; ^ go ahead|on; ^ go for it; ^ DO it|so|that|THING $; ^ DO $; ^ of course; ^ that|THING \
      be right|correct|true|fine|it; ^ by all means; ^ you may|can|should $; ^ why not $; ^ i|you do; ^ ALL right \
      $; ^ please $; ^ ?YES that|THING be THING $; ^ you bet",
 );
 
-pub(super) const NO: RequestKind = RequestKind::new(
-    ["", ""],
+pub(super) const NO: RequestKind = RequestKind::answer(
     Act::Tells(|_, _| Answer::tells("All right, I will do nothing")),
     "said: i disagree; not what i mean|want; change|changed my mind; ^ NO; ^ wrong|incorrect|false; ^ not \
      really|quite|THING|yet|now|so|right|correct|true|me|at|in; ^ that|THING be not|wrong|false|incorrect; ^ i do \
@@ -48,8 +44,7 @@ pub(super) const NO: RequestKind = RequestKind::new(
      ?you; i =said no",
 );
 
-pub(super) const WHICH: RequestKind = RequestKind::new(
-    ["", ""],
+pub(super) const WHICH: RequestKind = RequestKind::answer(
     Act::Tells(Conversation::which),
     "said: THING ?that i mean|want|need|think; i be|was =talking|=thinking about|of THING; ^ ?not \
      ?it|take|choose|mean|be|want|that|prefer THING ?ON|with|by|that|which|i|from|FAR|NEAR ?your ?my \
@@ -59,8 +54,7 @@ pub(super) const WHICH: RequestKind = RequestKind::new(
      ?like|want|please; THING ?over ON left|right; not matter which",
 );
 
-pub(super) const WHO: RequestKind = RequestKind::new(
-    ["tell who I am", "told who I am"],
+pub(super) const WHO: RequestKind = RequestKind::answer(
     Act::Tells(|creature, _| {
         let name = sentence(creature.actor.own.creature().name());
         Answer::tells(format!(
@@ -74,8 +68,7 @@ pub(super) const WHO: RequestKind = RequestKind::new(
      =speaking|=talking|there|this; about yourself; be this|that BEING; identify|introduce yourself",
 );
 
-pub(super) const HELP: RequestKind = RequestKind::new(
-    ["help", "helped"],
+pub(super) const HELP: RequestKind = RequestKind::answer(
     Act::Tells(|_, _| Answer::tells(ABILITIES)),
     "said: ^ i =need|=want .. help|assistance; ^ i could|can ?use ?some help; ^ how do|does THING|it work; ^ i be \
      stuck|lost|confused; told: give|show ?me|us .. COMMANDS; guide|instruct|help|assist|teach me; walk me \
@@ -87,8 +80,7 @@ pub(super) const HELP: RequestKind = RequestKind::new(
      work|function; what next|now|else $; ^ COMMANDS",
 );
 
-pub(super) const REPORT: RequestKind = RequestKind::new(
-    ["report", "reported"],
+pub(super) const REPORT: RequestKind = RequestKind::answer(
     Act::Tells(Conversation::report),
     "told: the result|outcome|upshot|summary|story; asked: what ?have HAPPEN; how do|be THING|that go|went|turn; \
      success|successful; what be result|outcome|upshot; summary|report|recap|recount; status|progress; ^ ?ALL \

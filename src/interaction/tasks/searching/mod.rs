@@ -114,7 +114,7 @@ impl Actor {
     fn feel_along(&mut self, search: &mut Search, way: &PosturePath, speed: f64) -> Result<Option<Feeling>> {
         let since = self.steps;
         let contacts = self.follow(way, speed, |_, _| true)?;
-        search.map.begin_motion();
+        search.map.lately.fill(f64::INFINITY);
         let passed: Vec<Posture> = self.lately(since).step_by(NOTED).cloned().collect();
         for posture in &passed {
             let frames = self.own.frames(posture);

@@ -165,7 +165,7 @@ impl Search {
     /// Whether a thing at a point of the root's frame would have been felt: whether skin has been low over that place.
     pub fn would_have_felt(&self, point: &Vector3<f64>) -> bool {
         let [forward, left, _] = self.map.plane.coordinates(point);
-        self.map.cell(forward, left).is_some_and(|cell| self.map.passed(cell) <= SEARCHED)
+        self.map.cell(forward, left).is_some_and(|cell| self.map.passed[cell] <= SEARCHED)
     }
 
     /// The middles of the places that it could reach and could not search, forward and to the left, metres, and how many
@@ -197,13 +197,13 @@ impl Search {
         if stop.under.iter().any(|&(cell, above)| self.tops[cell] > above + BENEATH) {
             return 0;
         }
-        let open = |cell: &&usize| self.map.passed(**cell) > stop.searches && !self.taken[**cell];
+        let open = |cell: &&usize| self.map.passed[**cell] > stop.searches && !self.taken[**cell];
         stop.cells.iter().filter(open).count()
     }
 
     /// Whether a cell is still to be searched.
     fn is_open(&self, cell: usize) -> bool {
-        self.map.passed(cell) > SEARCHED && !self.taken[cell]
+        self.map.passed[cell] > SEARCHED && !self.taken[cell]
     }
 
     /// Takes in where things are known to be now.
@@ -249,9 +249,7 @@ impl Search {
     /// What the last motion has passed is no longer there; where all of a thing is gone, it may be near there.
     pub(super) fn take_in_what_is_gone(&mut self) {
         let gone: Vec<usize> = (0..self.felt.len())
-            .filter(|&i| {
-                !self.felt[i].gone && self.is_gone(&self.felt[i], |cell| self.map.passed_lately(cell))
-            })
+            .filter(|&i| !self.felt[i].gone && self.is_gone(&self.felt[i], |cell| self.map.lately[cell]))
             .collect();
         if gone.is_empty() {
             return;
