@@ -161,13 +161,7 @@ impl Actor {
         let hand = |k: usize| {
             let (limb, other) = (limbs[k], limbs[1 - k]);
             let receptors = own.receptors_on(&own.hand_of(limb));
-            let frames = own.frames(&own.at_ease());
-            let far = |&receptor: &usize| {
-                let place = own.place(receptor);
-                (frames[place.limb].point(&place.point) - frames[limb].origin).norm()
-            };
-            let tip = receptors.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b)));
-            let tip = tip.ok_or_else(|| {
+            let tip = own.from_tip(limb, &receptors).first().copied().ok_or_else(|| {
                 Error::usage(format!("{} has no receptors: nothing can be felt with it", hands[k]))
             })?;
             let arm = own.joints_of(limb, &[other]);
@@ -275,9 +269,7 @@ impl Actor {
     /// Makes the table's height known: from its near side on nothing is to go below it.
     pub fn know_table(&mut self, height: f64) {
         self.table = Some(height);
-        let edge = self.trunk_front(height);
-        self.clearance.obstacles.clear();
-        self.clearance.obstacles.push(Obstacle::Table { up: self.up, height, front: self.front, edge });
+        self.clearance.obstacles = self.table_plane().map(Obstacle::Table).into_iter().collect();
     }
 
     /// How far forward the trunk reaches at a height: no table is nearer than this, metres along `front`.

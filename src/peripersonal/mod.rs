@@ -44,13 +44,13 @@ pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate}
 pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
 pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
-pub use obstacle::Obstacle;
+pub use obstacle::{Obstacle, TablePlane};
 pub use own_body::{Doubt, OwnBody};
 pub use palm::{Palm, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use posture_program::{KEPT, PosedPlace, PostureProgram, farthest_postures};
 pub use reachable::{COARSE, FINE, Level, Reach, ReachableMap, voxel_side};
 pub use reaching::{OutOfReach, ReachPlan, ReachTarget, Reaching};
-pub use searched::{CELL, Cell, SearchedMap, SkinPoints, TablePlane};
+pub use searched::{CELL, Cell, SearchedMap, SkinPoints};
 pub use stick::STICK_TIP;
 pub use velocity::{Barrier, PlaceVelocity, SteppedPosture, VelocityProgram};

@@ -19,17 +19,34 @@ pub enum Obstacle {
         /// The radius of the ball, metres.
         radius: f64,
     },
-    /// All that lies below a plane and in front of another, as a table does.
-    Table {
-        /// Unit vector against gravity.
-        up: Vector3<f64>,
-        /// The height of the top, along `up`, metres.
-        height: f64,
-        /// Horizontal unit vector that leads over the table.
-        front: Vector3<f64>,
-        /// Where the table begins, along `front`, metres.
-        edge: f64,
-    },
+    /// All that lies below the top of a table and beyond its edge.
+    Table(TablePlane),
+}
+
+/// A horizontal plane and where one faces over it, all in the root's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TablePlane {
+    /// Unit vector against gravity.
+    pub up: Vector3<f64>,
+    /// Horizontal unit vector that leads over the table.
+    pub front: Vector3<f64>,
+    /// The height of the top along `up`, metres.
+    pub height: f64,
+    /// Where it can begin, along `front`, metres.
+    pub edge: f64,
+}
+
+impl TablePlane {
+    /// How far forward, to the left and above the table a point is, metres.
+    pub fn coordinates(&self, point: &Vector3<f64>) -> [f64; 3] {
+        let left = self.up.cross(&self.front);
+        [point.dot(&self.front), point.dot(&left), point.dot(&self.up) - self.height]
+    }
+
+    /// The point so far forward, to the left and above the table, metres.
+    pub fn point(&self, [forward, left, above]: [f64; 3]) -> Vector3<f64> {
+        self.front * forward + self.up.cross(&self.front) * left + self.up * (self.height + above)
+    }
 }
 
 impl Obstacle {
@@ -41,8 +58,9 @@ impl Obstacle {
                 let offset = point - centre;
                 offset.dot(into) >= -near && offset.norm() <= radius + near
             }
-            Obstacle::Table { up, height, front, edge } => {
-                point.dot(front) >= *edge && point.dot(up) - height <= near
+            Obstacle::Table(plane) => {
+                let [forward, _, above] = plane.coordinates(point);
+                forward >= plane.edge && above <= near
             }
         }
     }
@@ -52,7 +70,7 @@ impl Obstacle {
         match self {
             Obstacle::Capsule(capsule) => capsule.distance_to(ball),
             Obstacle::Dome { centre, radius, .. } => (ball.centre - centre).norm() - radius - ball.radius,
-            Obstacle::Table { .. } => f64::NEG_INFINITY,
+            Obstacle::Table(_) => f64::NEG_INFINITY,
         }
     }
 
@@ -76,7 +94,7 @@ impl Obstacle {
                     false => ball,
                 })
             }
-            Obstacle::Table { up, height, front, edge } => {
+            Obstacle::Table(TablePlane { up, height, front, edge }) => {
                 let Overhang { radius, over, .. } = Overhang::of(body, up, front, *edge);
                 let points = over.iter().map(|[point, _]| point - up * radius);
                 let lowest = points.min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)))?;
@@ -94,7 +112,7 @@ impl Obstacle {
                 let gap = self.nearest(body, Precision::ExactWhereShallow);
                 gap.map(|gap| (gap, f64::INFINITY)).into_iter().collect()
             }
-            Obstacle::Table { up, height, front, edge } => {
+            Obstacle::Table(TablePlane { up, height, front, edge }) => {
                 let Overhang { ends, radius, over } = Overhang::of(body, up, front, *edge);
                 let place = |point: Vector3<f64>, normal: Vector3<f64>, distance: f64| Gap {
                     distance: distance - radius,

@@ -211,6 +211,18 @@ impl OwnBody {
         receptors.filter(|(_, receptor)| limbs.contains(&receptor.limb)).map(|(r, _)| r).collect()
     }
 
+    /// Some receptors by how far they are from a limb's joint in the rest posture, the farthest first.
+    pub fn from_tip(&self, limb: usize, receptors: &[usize]) -> Vec<usize> {
+        let frames = self.frames(&self.at_ease());
+        let far = |&receptor: &usize| {
+            let place = self.place(receptor);
+            (frames[place.limb].point(&place.point) - frames[limb].origin).norm()
+        };
+        let mut sorted = receptors.to_vec();
+        sorted.sort_by(|a, b| far(b).total_cmp(&far(a)));
+        sorted
+    }
+
     /// A limb and all that it carries: a hand with its fingers.
     pub fn hand_of(&self, limb: usize) -> Vec<usize> {
         let carried = self.carried_by(limb);

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::obstacle::TablePlane;
 use super::own_body::OwnBody;
 use crate::geometry::Frame;
 
@@ -11,32 +12,6 @@ pub const CELL: f64 = 0.01;
 const SPACING: f64 = 3.6e-5;
 /// Of the table in front of it so much is mapped, metres: forward from the trunk, and to either side.
 const SIZE: [f64; 2] = [0.95, 0.95];
-
-/// A horizontal plane and where one faces over it, all in the root's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TablePlane {
-    /// Unit vector against gravity.
-    pub up: Vector3<f64>,
-    /// Horizontal unit vector that leads over the table.
-    pub front: Vector3<f64>,
-    /// The height of the top along `up`, metres.
-    pub height: f64,
-    /// Where it can begin, along `front`, metres.
-    pub edge: f64,
-}
-
-impl TablePlane {
-    /// How far forward, to the left and above the table a point is, metres.
-    pub fn coordinates(&self, point: &Vector3<f64>) -> [f64; 3] {
-        let left = self.up.cross(&self.front);
-        [point.dot(&self.front), point.dot(&left), point.dot(&self.up) - self.height]
-    }
-
-    /// The point so far forward, to the left and above the table, metres.
-    pub fn point(&self, [forward, left, above]: [f64; 3]) -> Vector3<f64> {
-        self.front * forward + self.up.cross(&self.front) * left + self.up * (self.height + above)
-    }
-}
 
 /// Points spread over the skin of each limb, in its frame, metres.
 #[derive(Clone, Debug)]

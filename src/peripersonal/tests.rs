@@ -121,7 +121,8 @@ fn a_hand_gets_where_it_is_to_be_and_turned_as_it_is_to_be() {
 
 #[test]
 fn a_table_is_in_the_way_of_what_reaches_over_its_edge() {
-    let table = Obstacle::Table { up: Vector3::z(), height: 0.0, front: Vector3::x(), edge: 0.5 };
+    let table = TablePlane { up: Vector3::z(), height: 0.0, front: Vector3::x(), edge: 0.5 };
+    let table = Obstacle::Table(table);
     let gap = |ends: [[f64; 3]; 2]| table.gap(&Capsule { ends: ends.map(Vector3::from), radius: 0.02 });
     assert_eq!(gap([[0.0, 0.0, -1.0], [0.4, 0.0, -0.1]]), f64::INFINITY, "before the edge there is none");
     assert!((gap([[0.6, 0.0, 0.3], [0.8, 0.0, 0.1]]) - 0.08).abs() < 1e-12);

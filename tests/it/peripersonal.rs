@@ -9,7 +9,7 @@ use bodyschema::learning::{Certainty, Input};
 use bodyschema::mujoco::Data;
 use bodyschema::peripersonal::{
     CollisionChecker, Doubt, FeltPose, FeltSurface, KEPT, Obstacle, OutOfReach, OwnBody, PostureProgram,
-    ReachTarget, Reaching, farthest_postures,
+    ReachTarget, Reaching, TablePlane, farthest_postures,
 };
 use bodyschema::skin::skin_of;
 use nalgebra::{Rotation3, Vector3};
@@ -148,8 +148,8 @@ fn a_way_to_a_place_keeps_clear_and_ends_there() {
     let own = knowing_max();
     let mut clearance = CollisionChecker::new(&own);
     clearance.obstacles.push(Obstacle::Capsule(Capsule::ball(Vector3::new(0.28, 0.3, 0.1), 0.08)));
-    let table = Obstacle::Table { up: Vector3::z(), height: -0.05, front: Vector3::x(), edge: 0.2 };
-    clearance.obstacles.push(table);
+    let table = TablePlane { up: Vector3::z(), height: -0.05, front: Vector3::x(), edge: 0.2 };
+    clearance.obstacles.push(Obstacle::Table(table));
     let hand = own.creature().limb("left_hand").unwrap();
     let others = ["right_hand", "head"].map(|name| own.creature().limb(name).unwrap());
     let reaching = Reaching::new(&own, &clearance, own.joints_of(hand, &others), 1);
@@ -315,7 +315,7 @@ fn the_farthest_postures_of_a_leaning_body_keep_all_that_they_are_to_keep() {
     let place = Place { direction: frame.rotation.tr_mul(&up), ..flat };
     let height = frame.point(&flat.point).z;
     let mut clearance = CollisionChecker::new(&own);
-    clearance.obstacles.push(Obstacle::Table { up, height: 0.03, front, edge: 0.1 });
+    clearance.obstacles.push(Obstacle::Table(TablePlane { up, height: 0.03, front, edge: 0.1 }));
     let program = PostureProgram::farthest(&own, &clearance, &joints, place, front, 0.003)
         .at_level(up, height)
         .parallel_to(up);

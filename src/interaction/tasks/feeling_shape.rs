@@ -148,7 +148,8 @@ impl Actor {
         let own_side = self.hand_towards(&side);
         let thing = Capsule::about_points(&shape.corners());
         for hand in [own_side, 1 - own_side] {
-            let tips = self.tips(hand);
+            let mut tips = self.own.from_tip(self.hands[hand].limb, &self.hands[hand].receptors);
+            tips.truncate(TIPS);
             let (arm, from) = (self.hands[hand].arm.clone(), self.posture());
             let plan = self.with_obstacles(thing.map(Obstacle::Capsule), |actor| {
                 actor.reaching(arm).approach(&from, &tips, &aim)
@@ -264,20 +265,6 @@ impl Actor {
     fn of_the_thing(&self, contacts: &[SkinContact]) -> BTreeSet<usize> {
         let things = contacts.iter().filter(|contact| self.is_thing(contact));
         things.map(|contact| contact.spot.receptor).collect()
-    }
-
-    /// The receptors of a hand that are farthest from its wrist.
-    fn tips(&self, hand: usize) -> Vec<usize> {
-        let frames = self.own.frames(&self.own.at_ease());
-        let hand = &self.hands[hand];
-        let far = |&receptor: &usize| {
-            let place = self.own.place(receptor);
-            (frames[place.limb].point(&place.point) - frames[hand.limb].origin).norm()
-        };
-        let mut tips = hand.receptors.clone();
-        tips.sort_by(|a, b| far(b).total_cmp(&far(a)));
-        tips.truncate(TIPS);
-        tips
     }
 
     /// Takes in what the posture and the way to it tell of a thing: the surfaces under the receptors that touch meet it, all

@@ -9,15 +9,14 @@
 
 mod bending;
 mod family;
-mod size;
 
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
-
-pub use self::size::{FeltLength, FeltSize};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector2, Vector3};
 
 use self::bending::BentBody;
 use self::family::{NUMBERS, Numbers, RoundedFrustum};
-use crate::geometry::{Capsule, ConvexBody, Frame, Gap, Precision, gap, gap_by_support, separation};
+use crate::geometry::{
+    Capsule, ConvexBody, Frame, Gap, Precision, gap, gap_by_support, separation, tangent_basis,
+};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use crate::skin::Surface;
 
@@ -52,6 +51,10 @@ const REFINED: usize = 3;
 const ANEW: f64 = 1.5;
 /// How far a capsule's segment is from a body at the least for its gap to be told by the segment, metres.
 const CORE_CLEAR: f64 = 1e-5;
+/// Level directions among which a thing's breadth is looked for.
+const HEADINGS: usize = 36;
+/// What is left of the deviation of before where touches tell how far a thing reaches: with normals within half a radian.
+const FELT: f64 = 0.8;
 /// Small steps by which extents are differentiated.
 const SMALL: f64 = 1e-6;
 
@@ -115,6 +118,26 @@ pub struct FeltShape {
     last: Option<(Numbers, Numbers)>,
     /// Touches when it was begun anew last.
     begun: usize,
+}
+
+/// A length, and how surely it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeltLength {
+    /// Metres.
+    pub length: f64,
+    /// One standard deviation, metres.
+    pub deviation: f64,
+}
+
+/// How large a thing is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeltSize {
+    /// Along `up`; from what it stands on, where it stands.
+    pub height: FeltLength,
+    /// Across its breadth, level.
+    pub length: FeltLength,
+    /// The least of its level widths.
+    pub breadth: FeltLength,
 }
 
 /// What is known of a thing's shape: a convex body.
@@ -282,6 +305,31 @@ impl ShapeEstimate {
     /// How wide it is along a unit direction, metres.
     pub fn width(&self, direction: &Vector3<f64>) -> f64 {
         self.extent(direction) + self.extent(&-direction)
+    }
+
+    /// How large it is; `up` is a unit direction in the root's frame.
+    pub fn size(&self, up: &Vector3<f64>) -> FeltSize {
+        let level = tangent_basis(up);
+        let heading = |k: usize| {
+            let (sin, cos) = (std::f64::consts::PI * k as f64 / HEADINGS as f64).sin_cos();
+            level * Vector2::new(cos, sin)
+        };
+        let narrower = |a: &Vector3<f64>, b: &Vector3<f64>| self.width(a).total_cmp(&self.width(b));
+        let narrow = (0..HEADINGS).map(heading).min_by(narrower).expect("there are headings");
+        let level = |direction: &Vector3<f64>| FeltLength {
+            length: self.width(direction),
+            deviation: self.doubt(direction).hypot(self.doubt(&-direction)),
+        };
+        let height = match &self.stands {
+            Some((_, far)) => FeltLength { length: self.extent(up) + far, deviation: self.doubt(up) },
+            None => level(up),
+        };
+        FeltSize { height, length: level(&up.cross(&narrow)), breadth: level(&narrow) }
+    }
+
+    /// Whether touches tell how far it reaches along a unit direction, or only what things are usually like.
+    pub fn is_felt_along(&self, direction: &Vector3<f64>) -> bool {
+        self.doubt(direction) < FELT * self.body.before()
     }
 }
 
