@@ -112,6 +112,7 @@ impl FeltSurface {
         rng: &mut impl Rng,
     ) -> Option<FeltSurface> {
         let near = surfaces_near(own.skin(), receptor);
+        let felt = Felt { skin: own.skin(), receptor, near: &near, first, poses };
         let mut possible: Vec<Possible> = (0..FIRST).map(|_| Possible::drawn(rng)).collect();
         let mut weighed: Vec<(f64, Possible, Place)> = Vec::new();
         // Without touches there is little to tell surfaces apart by.
@@ -132,7 +133,6 @@ impl FeltSurface {
             }
             let miss = |one: &Possible| {
                 let place = one.place(own, receptor)?;
-                let felt = Felt { skin: own.skin(), receptor, near: &near, first, poses };
                 Some((one.miss(&felt, &place, deviation).0, *one, place))
             };
             weighed = possible.iter().filter_map(miss).collect();
@@ -143,7 +143,6 @@ impl FeltSurface {
             weighed.iter_mut().for_each(|(miss, ..)| *miss = (-0.5 * (*miss - least)).exp());
         }
         let best = weighed.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let felt = Felt { skin: own.skin(), receptor, near: &near, first, poses };
         let explained = best.1.miss(&felt, &best.2, DEVIATIONS[DEVIATIONS.len() - 1]).1;
         let touches = poses.iter().filter(|pose| pose.receptor.is_some()).count();
         let total: f64 = weighed.iter().map(|(weight, ..)| weight).sum();
@@ -189,11 +188,7 @@ impl Possible {
 
     /// Where it touches; `None` if the patch reaches beyond the limb there.
     fn place(&self, own: &OwnBody, receptor: usize) -> Option<Place> {
-        let patch = &own.skin().receptors[receptor];
-        let flat = patch.position
-            + patch.tangent * (self.at[0] * patch.half_extents[0])
-            + patch.bitangent() * (self.at[1] * patch.half_extents[1]);
-        own.on_surface(receptor, &flat)
+        own.on_surface(receptor, &own.skin().receptors[receptor].patch_point(self.at))
     }
 
     /// How badly it agrees with what was felt, in squared standard deviations, and how many of the touches it explains.

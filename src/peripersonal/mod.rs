@@ -13,7 +13,7 @@
 //!                                     ├─ path         paths through postures that keep clear
 //!                                     ├─ posture_program   postures that are best and keep all they are to keep
 //!                                     ├─ reaching     postures and paths that touch a place, or how far it is out of reach
-//!                                     ├─ palm         which side of a hand is hollow; limb_pose: postures with a limb placed and turned
+//!                                     ├─ palm         which side of a hand is hollow; postures with a limb placed and turned
 //!                                     └─ reachable    the voxels that a hand can get to: flood, lattice
 //! ```
 //!
@@ -25,7 +25,6 @@ mod felt_shape;
 mod felt_surface;
 mod flood;
 mod lattice;
-mod limb_pose;
 mod obstacle;
 mod own_body;
 mod palm;
@@ -43,10 +42,9 @@ pub use collision::{CollisionChecker, LimbPieces, Nearness};
 pub use felt_shape::{FeltLength, FeltShape, FeltSize, PlacedSkin, ShapeEstimate};
 pub use felt_surface::{FeltPose, FeltSurface};
 pub use lattice::Lattice;
-pub use limb_pose::{LimbGoal, LimbPosture, limb_posture};
 pub use obstacle::{Obstacle, TablePlane};
 pub use own_body::{Doubt, OwnBody};
-pub use palm::{Palm, palm_turn};
+pub use palm::{LimbGoal, LimbPosture, Palm, limb_posture, palm_turn};
 pub use path::{PosturePath, distance, find_path, straight};
 pub use posture_program::{KEPT, PosedPlace, PostureProgram, farthest_postures};
 pub use reachable::{COARSE, FINE, Level, Reach, ReachableMap, voxel_side};

@@ -183,10 +183,7 @@ impl OwnBody {
         let (mut point, mut weight) = (Vector3::zeros(), 0.0);
         for i in -SAMPLES..=SAMPLES {
             for j in -SAMPLES..=SAMPLES {
-                let [a, b] = [i, j].map(|k| f64::from(k) / f64::from(SAMPLES));
-                let flat = found.position
-                    + found.tangent * (a * found.half_extents[0])
-                    + found.bitangent() * (b * found.half_extents[1]);
+                let flat = found.patch_point([i, j].map(|k| f64::from(k) / f64::from(SAMPLES)));
                 if let Some((distance, normal)) = surface.signed_distance(&flat) {
                     let leads = normal.dot(ahead).max(0.0).powi(SHARPNESS);
                     point += (flat - normal * distance) * leads;

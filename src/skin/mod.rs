@@ -62,6 +62,13 @@ impl Receptor {
         Place { limb: self.limb, point: self.position + self.normal * height, direction: self.normal }
     }
 
+    /// A point of the flat patch in shares of its half sides, along the tangent and across it, in the limb's frame, metres.
+    pub fn patch_point(&self, [along, across]: [f64; 2]) -> Vector3<f64> {
+        self.position
+            + self.tangent * (along * self.half_extents[0])
+            + self.bitangent() * (across * self.half_extents[1])
+    }
+
     /// A point of its limb in the patch's own coordinates: along both sides and the normal, metres.
     #[inline]
     pub fn patch_coordinates(&self, p_l: &Vector3<f64>) -> Vector3<f64> {

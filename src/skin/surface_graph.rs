@@ -241,11 +241,7 @@ fn patch_points(receptor: &Receptor, spacing: f64) -> Vec<(Vector3<f64>, Vector3
     let [across, along] = receptor.half_extents.map(|half| ((2.0 * half / spacing).round() as usize).max(1));
     let share = |k: usize, of: usize| (2 * k + 1) as f64 / of as f64 - 1.0;
     let point = |k: usize| {
-        let [u, v] = [share(k % across, across), share(k / across, along)];
-        let p = receptor.position
-            + receptor.tangent * (u * receptor.half_extents[0])
-            + receptor.bitangent() * (v * receptor.half_extents[1]);
-        (p, receptor.normal)
+        (receptor.patch_point([share(k % across, across), share(k / across, along)]), receptor.normal)
     };
     (0..across * along).map(point).collect()
 }

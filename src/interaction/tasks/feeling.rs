@@ -156,11 +156,8 @@ impl Actor {
             return Ok(Some(surface));
         }
         let here = self.posture();
-        for [a, b] in PLACES {
-            let flat = patch.position
-                + patch.tangent * (a * patch.half_extents[0])
-                + patch.bitangent() * (b * patch.half_extents[1]);
-            let Some(place) = self.own.on_surface(found.receptor, &flat) else { continue };
+        for at in PLACES {
+            let Some(place) = self.own.on_surface(found.receptor, &patch.patch_point(at)) else { continue };
             let surface = FeltSurface::at(place, first, unsure);
             if self.part(&surface, joints, surface.direction)? {
                 return Ok(Some(surface));

@@ -5,11 +5,8 @@
 
 mod exploring;
 mod holding;
-mod leaning;
 mod locating;
-mod minding;
 mod own_body;
-mod putting;
 mod shape;
 mod taking_stick;
 mod talking;
@@ -143,13 +140,13 @@ macro_rules! requests {
 
 requests! {
     /// That something is not done.
-    Dont => minding::DONT;
+    Dont => talking::DONT;
     /// That it does not move.
-    KeepStill => minding::KEEP_STILL;
+    KeepStill => talking::KEEP_STILL;
     /// That it leans forward, and tries again what failed.
-    LeanForward => leaning::LEAN_FORWARD;
+    LeanForward => own_body::LEAN_FORWARD;
     /// That it is upright again.
-    LeanBack => leaning::LEAN_BACK;
+    LeanBack => own_body::LEAN_BACK;
     /// That a stick is given back.
     GiveStickBack => taking_stick::GIVE_STICK_BACK;
     /// That a stick is taken.
@@ -157,7 +154,7 @@ requests! {
     /// To know what it knows of a stick.
     StickKnown => taking_stick::STICK_KNOWN;
     /// That things are forgotten.
-    Forget => minding::FORGET;
+    Forget => talking::FORGET;
     /// To know how many things it found.
     HowMany => exploring::HOW_MANY;
     /// To know whether it reaches a thing, and how.
@@ -179,11 +176,11 @@ requests! {
     /// That a part of its own body is touched.
     TouchOwn => own_body::TOUCH_OWN;
     /// That a thing is put to its left or right.
-    PutAside => putting::PUT_ASIDE;
+    PutAside => holding::PUT_ASIDE;
     /// That a thing is brought near.
-    BringNear => putting::BRING_NEAR;
+    BringNear => holding::BRING_NEAR;
     /// That a thing is put far away.
-    PutFar => putting::PUT_FAR;
+    PutFar => holding::PUT_FAR;
     /// That it gets out of the way.
     Avoid => own_body::AVOID;
     /// That what it holds is let go.
@@ -197,7 +194,7 @@ requests! {
     /// To know whether something is there.
     Explore => exploring::EXPLORE;
     /// That it goes back to rest.
-    Rest => leaning::REST;
+    Rest => own_body::REST;
     /// That a thing is touched.
     Touch => touching::TOUCH;
     /// To know who it is.
@@ -205,11 +202,11 @@ requests! {
     /// To know what it can do.
     Help => talking::HELP;
     /// That what was done before is done again.
-    Repeat => leaning::REPEAT;
+    Repeat => own_body::REPEAT;
     /// That the conversation ends.
-    Quit => minding::QUIT;
+    Quit => talking::QUIT;
     /// That it stops.
-    Stop => minding::STOP;
+    Stop => talking::STOP;
     /// No.
     No => talking::NO;
     /// Yes.
