@@ -2,15 +2,13 @@
 
 use nalgebra::Vector3;
 
-use super::{MARGIN, Trouble, tried};
+use super::{MARGIN, SWEEPING, Trouble, tried};
 use crate::creature::Posture;
 use crate::interaction::actor::{Actor, CAREFUL, FoundThing, Hand, TABLE};
 use crate::kinematics::REACHED;
 use crate::peripersonal::{PosturePath, ReachTarget, Reaching, straight};
 use crate::senses::Toucher;
 
-/// How fast the tips of the hands go in a sweep, metres a second.
-const SWEEPING: f64 = 2.0 * CAREFUL;
 /// How high over the table the tip of a sweeping hand goes, metres: things lower than this are not found.
 const SWEEP_HEIGHT: f64 = 0.03;
 /// How far apart the lanes of a sweep are, metres.
@@ -134,14 +132,6 @@ impl Actor {
                 }
             }
         }
-        self.feel_back()
-    }
-
-    /// Goes back to where the hands wait, or until something is felt: what that is.
-    ///
-    /// # Errors
-    /// [`Trouble::Engine`] alone.
-    pub fn feel_back(&mut self) -> Result<Option<FoundThing>, Trouble> {
         let ready = self.ready();
         match self.go(&ready) {
             Err(Trouble::Engine(error)) => Err(error.into()),

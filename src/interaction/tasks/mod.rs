@@ -23,7 +23,7 @@ pub use searching::{Feeling, Search, SearchPlan};
 pub use touching::Touching;
 pub use two_palms::PalmPlan;
 
-use super::actor::{Actor, Hand, SWIFT};
+use super::actor::{Actor, CAREFUL, Hand, SWIFT};
 use crate::creature::Posture;
 use crate::error::{Error, Result};
 use crate::geometry::Frame;
@@ -32,6 +32,8 @@ use crate::senses::SkinContact;
 
 /// How clear of everything ways and hands that wait keep, metres.
 const MARGIN: f64 = 0.006;
+/// How fast the tips of the hands go low over a table and down to it, metres a second.
+const SWEEPING: f64 = 2.0 * CAREFUL;
 /// How far skin goes back from what it touched before anything else, metres.
 const BACK: f64 = 0.05;
 /// How high a hand waits, the first of these that leaves it clear: in lengths of the arm above the joint that carries it.

@@ -4,6 +4,7 @@
 mod plan;
 mod search;
 
+use super::SWEEPING;
 use crate::creature::Posture;
 use crate::error::Result;
 use crate::geometry::Capsule;
@@ -13,8 +14,6 @@ use plan::CLEAR;
 pub use plan::SearchPlan;
 pub use search::{Feeling, Search};
 
-/// How fast the tips of the hands go low over the table and down to it, metres a second.
-const FEELING: f64 = 2.0 * CAREFUL;
 /// How fast they go above things, metres a second.
 const ABOVE: f64 = 3.0 * CAREFUL;
 /// How far skin draws back from what it met, metres.
@@ -76,7 +75,7 @@ impl Actor {
             let felt = match from {
                 Some(from) if self.sweeps(search, from, to) => {
                     let low = search.stop(to).low().clone();
-                    self.feel_along(search, &PosturePath(vec![low]), FEELING)?
+                    self.feel_along(search, &PosturePath(vec![low]), SWEEPING)?
                 }
                 _ => self.come_down_at(search, to)?,
             };
@@ -174,6 +173,6 @@ impl Actor {
             return Ok(Some(felt));
         }
         let down: Vec<Posture> = stop.rising.iter().rev().cloned().collect();
-        self.feel_along(search, &PosturePath(down), FEELING)
+        self.feel_along(search, &PosturePath(down), SWEEPING)
     }
 }
