@@ -15,8 +15,6 @@ const FACING: f64 = 0.15;
 pub struct OwnTouch {
     /// The hand, an index into [`Actor::hands`].
     pub hand: usize,
-    /// The receptor of the hand that touches.
-    pub by: usize,
     /// The receptor that feels it.
     pub felt: usize,
     /// How far that one's centre is from the spot that was meant, metres.
@@ -89,7 +87,7 @@ impl Actor {
             let felt = toucher.own()?;
             let meant = self.hands[hand].receptors.contains(&by.receptor) && felt.limb == spot.limb;
             let off = (skin[felt.receptor].position - spot.position).norm();
-            meant.then_some(OwnTouch { hand, by: by.receptor, felt: felt.receptor, off })
+            meant.then_some(OwnTouch { hand, felt: felt.receptor, off })
         });
         touches.min_by(|a, b| a.off.total_cmp(&b.off))
     }
