@@ -9,11 +9,11 @@ use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::deadline::Deadline;
 use crate::learning::Parameters;
-use crate::learning::least_squares::{FIRST_DAMPING, Stopping, damped_from, levenberg_marquardt};
+use crate::learning::least_squares::{FIRST_DAMPING, Stopping, damped_from};
 use crate::learning::observation::PointsMeet;
 use crate::learning::prior::PriorTerm;
 use crate::learning::surface_gap::SurfaceGap;
-use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::touch_set::{TouchProblem, TouchSet};
 use crate::schema::BodySchema;
 use crate::skin::Skin;
 
@@ -86,12 +86,14 @@ pub struct Annealed {
 
 /// The absolute gaps of all touches under a schema, sorted, metres.
 pub fn gaps(skin: &Skin, touches: &TouchSet, schema: &BodySchema) -> Vec<f64> {
-    let model = SurfaceGap::new(skin, 1.0);
-    let touches = touches.touches();
-    let mut gaps: Vec<f64> =
-        touches.map(|touch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs()).collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps
+    sorted(touches.touches().map(|touch| touch.gap(skin, schema).distance.abs()))
+}
+
+/// Numbers in rising order.
+pub fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values
 }
 
 /// Standard deviation of sorted absolute gaps, by half of them or by eight tenths, whichever is greater:
@@ -110,11 +112,7 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// How many deviations the points that touched stay apart in half of all touches.
 pub fn usual_miss(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let miss =
-        |touch: &PreparedTouch| PointsMeet::Anyhow.squared_misfit(&touch.ends, &touch.frames(schema)).sqrt();
-    let mut misses: Vec<f64> = touches.touches().map(miss).collect();
-    misses.sort_by(f64::total_cmp);
-    quantile(&misses, 0.5)
+    quantile(&sorted(touches.squared_misfits(PointsMeet::Anyhow, schema).map(f64::sqrt)), 0.5)
 }
 
 /// Fits `parameters` to receptors' centres, or contact points, from any schema, so many times until a deadline. What is farther
@@ -139,8 +137,8 @@ pub fn meet(
         before = miss;
         let width = LEAST_WIDTH.max(WIDTH * miss);
         let model = PointsMeet::Mostly(width);
-        let mut problem = TouchProblem::new(creature, &touches, parameters, model).with_prior(prior);
-        schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+        let problem = TouchProblem::new(creature, &touches, parameters, model).with_prior(prior);
+        schema = problem.fit(schema, stopping);
     }
     schema
 }

@@ -7,15 +7,13 @@
 //! Positions and axes have different units. To compare them, positions are counted in units of a
 //! characteristic length, so that a singular value tells how much whitened residual a turn of one radian,
 //! or a shift of that length, makes.
-//!
-//! Long: its parts are taken apart together with those of the other learners, when learning goes in stages.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 use serde::Serialize;
 
 use crate::creature::{Creature, DofKind};
 use crate::geometry::tangent_basis;
-use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames, skew};
+use crate::kinematics::{Chain, ChainSide, SideJacobian, limb_frames};
 use crate::learning::{LengthUnit, Parameters};
 use crate::schema::{BodySchema, SchemaStd};
 
@@ -452,29 +450,11 @@ pub(super) fn miss_jacobian(
     let mut side = SideJacobian::default();
     for (k, sign) in [(0, 1.0), (1, -1.0)] {
         ChainSide::new(creature, &chain.sides[k], posture).point_jacobian(schema, &points[k], &mut side);
-        for (joint, map) in &side.joints {
-            if let Some(offset) = parameters.positions[*joint] {
-                let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
-                block += map * sign;
-            }
-        }
-        for (dof, derivative) in &side.dofs {
-            if let Some(offset) = parameters.axes[*dof] {
-                let mut block = jacobian.fixed_view_mut::<3, 2>(0, offset);
-                block += derivative * tangent_basis(&schema.axes[*dof]) * sign;
-            }
-        }
-        for pose in &side.poses {
-            if let Some(offset) = parameters.limb_origins[pose.joint] {
-                let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
-                block += pose.map * sign;
-            }
-            if let Some(offset) = parameters.limb_rotations[pose.joint] {
-                // ω × Q p.
-                let turned = schema.limb_poses[pose.joint].rotation * pose.point;
-                let mut block = jacobian.fixed_view_mut::<3, 3>(0, offset);
-                block += pose.map * skew(&turned) * -sign;
-            }
+        let basis = |dof: usize| tangent_basis(&schema.axes[dof]);
+        for (i, mut row) in jacobian.row_iter_mut().enumerate() {
+            parameters.slopes(schema, &side, &Vector3::ith(i, sign), basis, |offset, slopes| {
+                slopes.iter().enumerate().for_each(|(k, slope)| row[offset + k] = *slope);
+            });
         }
     }
     jacobian

@@ -9,10 +9,9 @@ use nalgebra::DMatrix;
 use crate::agent::Agent;
 use crate::creature::DofKind;
 use crate::kinematics::Chain;
-use crate::learning::annealing::{quantile, typical_gap};
+use crate::learning::annealing::{quantile, sorted, typical_gap};
 use crate::learning::noise::{Adjusted, Compared, Noise, gaps_of};
-use crate::learning::prediction::GapRow;
-use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
+use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -142,27 +141,21 @@ pub fn witnesses(
     deviation: impl Fn(usize) -> f64,
     exact: bool,
 ) -> TouchSet {
-    let model = SurfaceGap::new(agent.skin(), 1.0);
+    let skin = agent.skin();
     let wide = if exact { EXACTLY_OPEN } else { OPEN };
     let creature = agent.creature();
     let mut found = GapTally::new(creature.joints().len());
-    let nothing = Parameters::new(creature, AxisModel::Unit, |_| false);
-    let (mut row, mut slopes) = (GapRow::default(), Vec::new());
     let mut number = 0;
     for pair in &touches.pairs {
         let dofs = || pair.chain.joints().flat_map(|joint| creature.joints()[joint].elements());
         let of_hinges = dofs().all(|element| element.kind == DofKind::Hinge);
         for touch in &pair.touches {
-            let frames = touch.frames(schema);
-            let gap = model.gap(&touch.ends, &frames);
-            let is_open = gap.distance.abs() > wide.max(DEVIATIONS * deviation(number));
-            let elsewhere = exact && !model.is_felt(&touch.ends, &frames, &gap);
-            let unfelt = of_hinges && {
-                row.set(agent.skin(), &nothing, schema, touch);
-                row.angle_slopes(schema, touch, &mut slopes);
-                slopes.iter().all(|(_, slope)| slope.abs() < FELT.max(FELT_BY_DEVIATION * deviation(number)))
-            };
-            found.add(&pair.chain, is_open || elsewhere || unfelt);
+            let wide = wide.max(DEVIATIONS * deviation(number));
+            let gap = touch.felt_gap(skin, schema, if exact { wide } else { 0.0 });
+            let felt = FELT.max(FELT_BY_DEVIATION * deviation(number));
+            let is_unfelt =
+                || of_hinges && touch.gap_slopes(skin, schema).all(|(_, slope)| slope.abs() < felt);
+            found.add(&pair.chain, gap > wide || is_unfelt());
             number += 1;
         }
     }
@@ -192,11 +185,9 @@ pub struct OpenGaps {
 impl OpenGaps {
     /// Counts the open gaps of a schema.
     pub fn new(agent: &Agent, touches: &TouchSet, schema: &BodySchema) -> OpenGaps {
-        let model = SurfaceGap::new(agent.skin(), 1.0);
-        let gap = |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
+        let gap = |touch: &PreparedTouch| touch.gap(agent.skin(), schema).distance.abs();
         let gaps: Vec<f64> = touches.touches().map(gap).collect();
-        let mut sorted = gaps.clone();
-        sorted.sort_by(f64::total_cmp);
+        let sorted = sorted(gaps.iter().copied());
         let typical = typical_gap(&sorted);
         let nothing = Parameters::new(agent.creature(), AxisModel::Unit, |_| false);
         // Noisy joints open the gaps of long chains.

@@ -1,9 +1,10 @@
 //! Which numbers of a schema a solver may move, and where they stand in its vector.
 
-use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
+use nalgebra::{DVector, Matrix3, Matrix3x2, Rotation3, Vector3};
 
 use crate::creature::{Creature, DofKind};
 use crate::geometry::tangent_basis;
+use crate::kinematics::SideJacobian;
 use crate::schema::BodySchema;
 
 /// How axes, and rotations of limbs' poses, are parameterised.
@@ -118,6 +119,30 @@ impl Parameters {
         places
     }
 
+    /// What is free of some joints, side by side, and where each block of it is among all: its offset and its width.
+    pub fn of_joints(
+        &self,
+        creature: &Creature,
+        joints: impl Iterator<Item = usize>,
+    ) -> (Parameters, Vec<(usize, usize)>) {
+        let mut own = Parameters::of(creature, self.axis_model, |_| false, |_, _| false);
+        let (mut blocks, mut len) = (Vec::new(), 0);
+        let mut take = |offset: Option<usize>, width: usize| {
+            blocks.push((offset?, width));
+            len += width;
+            Some(len - width)
+        };
+        for joint in joints {
+            own.positions[joint] = take(self.positions[joint], 3);
+            for dof in creature.joints()[joint].dof_indices() {
+                own.axes[dof] = take(self.axes[dof], self.axis_size());
+            }
+            own.limb_origins[joint] = take(self.limb_origins[joint], 3);
+            own.limb_rotations[joint] = take(self.limb_rotations[joint], self.rotation_size());
+        }
+        (Parameters { len, ..own }, blocks)
+    }
+
     /// Whether nothing of a joint is free.
     pub fn holds(&self, creature: &Creature, joint: usize) -> bool {
         let of_joint =
@@ -189,20 +214,43 @@ impl Parameters {
         moved
     }
 
-    /// The slope of a residual by a limb's rotation, of [`Parameters::rotation_size`] numbers, from its slope
-    /// `along` by `Q p` and the point `p` in the limb's frame.
-    pub fn rotation_slope(
+    /// The derivative of `direction · p_C` by every free number of one side of a chain: each block's offset and its slopes, once a
+    /// block. `basis` is that of the tangent plane of a degree of freedom's unit axis.
+    pub fn slopes(
         &self,
-        along: &Vector3<f64>,
-        rotation: &Matrix3<f64>,
-        point: &Vector3<f64>,
-    ) -> impl Iterator<Item = f64> {
-        let mut slope = [0.0; 9];
-        match self.axis_model {
-            AxisModel::Relaxed => slope.copy_from_slice((along * point.transpose()).as_slice()),
-            // d(Q p) = ω × Q p.
-            AxisModel::Unit => slope[..3].copy_from_slice((rotation * point).cross(along).as_slice()),
+        schema: &BodySchema,
+        side: &SideJacobian,
+        direction: &Vector3<f64>,
+        basis: impl Fn(usize) -> Matrix3x2<f64>,
+        mut block: impl FnMut(usize, &[f64]),
+    ) {
+        for (joint, map) in &side.joints {
+            if let Some(offset) = self.positions[*joint] {
+                block(offset, map.tr_mul(direction).as_slice());
+            }
         }
-        slope.into_iter().take(self.rotation_size())
+        for (dof, derivative) in &side.dofs {
+            let Some(offset) = self.axes[*dof] else { continue };
+            let free = derivative.tr_mul(direction);
+            match self.axis_model {
+                AxisModel::Relaxed => block(offset, free.as_slice()),
+                AxisModel::Unit => block(offset, basis(*dof).tr_mul(&free).as_slice()),
+            }
+        }
+        for pose in &side.poses {
+            let along = pose.map.tr_mul(direction);
+            if let Some(offset) = self.limb_origins[pose.joint] {
+                block(offset, along.as_slice());
+            }
+            let Some(offset) = self.limb_rotations[pose.joint] else { continue };
+            match self.axis_model {
+                AxisModel::Relaxed => block(offset, (along * pose.point.transpose()).as_slice()),
+                AxisModel::Unit => {
+                    // d(Q p) = ω × Q p.
+                    let turned = schema.limb_poses[pose.joint].rotation * pose.point;
+                    block(offset, turned.cross(&along).as_slice());
+                }
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! from zero it may be follows from how sure the schema is: with the gap's derivative `j` over the
 //! parameters and their covariance `Σ`, its variance is `σ² + j Σ jᵀ`.
 
-use nalgebra::{DMatrix, Matrix3x2, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
 use crate::agent::Agent;
 use crate::geometry::tangent_basis;
@@ -78,33 +78,13 @@ impl GapRow {
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
             let side = &mut self.sides[k];
             touch.sides[k].point_jacobian(schema, &self.points[k], side);
-            let direction: Vector3<f64> = along * sign;
-            for (joint, map) in &side.joints {
-                if let Some(offset) = parameters.positions[*joint] {
-                    let slope = map.tr_mul(&direction);
-                    self.entries.extend((0..3).map(|i| (offset + i, slope[i])));
-                }
-            }
-            for (dof, derivative) in &side.dofs {
-                if let Some(offset) = parameters.axes[*dof] {
-                    let basis: Matrix3x2<f64> = tangent_basis(&schema.axes[*dof]);
-                    let slope = basis.tr_mul(&derivative.tr_mul(&direction));
-                    self.entries.extend((0..2).map(|i| (offset + i, slope[i])));
-                }
-            }
+            let entries = &mut self.entries;
+            let push = |offset: usize, slopes: &[f64]| {
+                entries.extend(slopes.iter().enumerate().map(|(i, slope)| (offset + i, *slope)));
+            };
+            let basis = |dof: usize| tangent_basis(&schema.axes[dof]);
+            parameters.slopes(schema, side, &(along * sign), basis, push);
         }
-    }
-
-    /// The gap's derivative by an axis that is free in R³, 1 a metre, at the touch that the row was set to.
-    pub fn axis_slope(&self, dof: usize) -> Vector3<f64> {
-        let mut slope = Vector3::zeros();
-        for (side, normal) in self.sides.iter().zip(&self.normals) {
-            // The normals are in the limbs' frames, and have the sign of their end.
-            let direction = side.frame.rotation * normal;
-            let of_it = side.dofs.iter().filter(|(other, _)| *other == dof);
-            of_it.for_each(|(_, derivative)| slope += derivative.tr_mul(&direction));
-        }
-        slope
     }
 
     /// `j Σ jᵀ` for a covariance of all parameters, m².

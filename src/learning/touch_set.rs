@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x2, Vector3};
 
 use crate::creature::Creature;
 use crate::deadline::count_work;
-use crate::geometry::{Frame, tangent_basis};
+use crate::geometry::{Frame, Gap, tangent_basis};
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
-use crate::learning::least_squares::LeastSquares;
-use crate::learning::least_squares::Linearization;
-use crate::learning::observation::{Observation, ObservationModel, TouchResiduals};
+use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+use crate::learning::observation::{Observation, ObservationModel, PointsMeet, TouchResiduals};
 use crate::learning::prior::PriorTerm;
+use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 use crate::senses::{Input, Touch};
@@ -135,6 +135,16 @@ impl TouchSet {
         set
     }
 
+    /// Per touch, the sum of the squares of the three whitened residuals of its points.
+    pub fn squared_misfits(&self, model: PointsMeet, schema: &BodySchema) -> impl Iterator<Item = f64> {
+        self.touches().map(move |touch| model.squared_misfit(&touch.ends, &touch.frames(schema)))
+    }
+
+    /// Root mean square of these residuals.
+    pub fn misfit(&self, model: PointsMeet, schema: &BodySchema) -> f64 {
+        (self.squared_misfits(model, schema).sum::<f64>() / (3 * self.len().max(1)) as f64).sqrt()
+    }
+
     /// The pairs for which `keep` holds.
     pub fn filter(&self, keep: impl Fn(&PairTouches) -> bool) -> TouchSet {
         TouchSet { pairs: self.pairs.iter().filter(|pair| keep(pair)).cloned().collect() }
@@ -190,50 +200,38 @@ impl PreparedTouch {
         let [a, b] = &self.sides;
         a.frame(schema).point(&self.ends[0].position) - b.frame(schema).point(&self.ends[1].position)
     }
+
+    /// Where a schema has the surfaces under the two receptors come closest, in the common ancestor's frame.
+    pub fn gap(&self, skin: &Skin, schema: &BodySchema) -> Gap {
+        SurfaceGap::new(skin, 1.0).gap(&self.ends, &self.frames(schema))
+    }
+
+    /// How far apart a schema leaves the surfaces, metres; infinitely if they are nearer than the `widest` tolerance that is asked for
+    /// and meet out of the patches that felt them.
+    pub fn felt_gap(&self, skin: &Skin, schema: &BodySchema, widest: f64) -> f64 {
+        let (model, frames) = (SurfaceGap::new(skin, 1.0), self.frames(schema));
+        let found = model.gap(&self.ends, &frames);
+        let gap = found.distance.abs();
+        let is_elsewhere = gap < widest && !model.is_felt(&self.ends, &frames, &found);
+        if is_elsewhere { f64::INFINITY } else { gap }
+    }
+
+    /// The derivative of the gap by every hinge's angle, and by turns of every ball, with the degree of freedom, metres a radian.
+    pub fn gap_slopes(&self, skin: &Skin, schema: &BodySchema) -> impl Iterator<Item = (usize, f64)> {
+        let frames = self.frames(schema);
+        let found = SurfaceGap::new(skin, 1.0).gap(&self.ends, &frames);
+        let points = [0, 1].map(|k| frames[k].inverse_point(&found.middle()));
+        let derivatives = self.angle_derivatives(schema, points.each_ref());
+        derivatives.into_iter().map(move |(dof, derivative)| (dof, found.normal.dot(&derivative)))
+    }
 }
 
 /// The columns of a pair's Jacobian: which parameters its chain moves.
 struct ChainColumns {
-    /// Offset in the parameter vector of each local block, and its width.
+    /// These parameters side by side.
+    own: Parameters,
+    /// Offset in the whole parameter vector of each block of them, and its width.
     blocks: Vec<(usize, usize)>,
-    /// Local offset of every joint's position and every degree of freedom's axis.
-    positions: Vec<Option<usize>>,
-    axes: Vec<Option<usize>>,
-    /// The same of every limb's pose.
-    limb_origins: Vec<Option<usize>>,
-    limb_rotations: Vec<Option<usize>>,
-    len: usize,
-}
-
-impl ChainColumns {
-    fn new(creature: &Creature, chain: &Chain, parameters: &Parameters) -> ChainColumns {
-        let mut columns = ChainColumns {
-            blocks: Vec::new(),
-            positions: vec![None; creature.joints().len()],
-            axes: vec![None; creature.dof_elements()],
-            limb_origins: vec![None; creature.joints().len()],
-            limb_rotations: vec![None; creature.joints().len()],
-            len: 0,
-        };
-        for joint in chain.joints() {
-            columns.positions[joint] = columns.block(parameters.positions[joint], 3);
-            for dof in creature.joints()[joint].dof_indices() {
-                columns.axes[dof] = columns.block(parameters.axes[dof], parameters.axis_size());
-            }
-            columns.limb_origins[joint] = columns.block(parameters.limb_origins[joint], 3);
-            columns.limb_rotations[joint] =
-                columns.block(parameters.limb_rotations[joint], parameters.rotation_size());
-        }
-        columns
-    }
-
-    /// Adds a block of parameters, where it is free; its local offset.
-    fn block(&mut self, offset: Option<usize>, size: usize) -> Option<usize> {
-        let offset = offset?;
-        self.blocks.push((offset, size));
-        self.len += size;
-        Some(self.len - size)
-    }
 }
 
 /// The least-squares problem of a touch set: parameters in, normal equations out.
@@ -256,10 +254,18 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
         parameters: &'a Parameters,
         model: M,
     ) -> TouchProblem<'a, M> {
-        let columns =
-            touches.pairs.iter().map(|pair| ChainColumns::new(creature, &pair.chain, parameters)).collect();
+        let columns = touches.pairs.iter().map(|pair| {
+            let (own, blocks) = parameters.of_joints(creature, pair.chain.joints());
+            ChainColumns { own, blocks }
+        });
+        let columns = columns.collect();
         let fixed = vec![M::Fixed::default(); touches.len()];
         TouchProblem { creature, touches, parameters, model, prior: None, columns, fixed }
+    }
+
+    /// The schema of least cost near another one.
+    pub fn fit(mut self, start: BodySchema, stopping: Stopping) -> BodySchema {
+        levenberg_marquardt(&mut self, start, stopping).state
     }
 
     /// Adds what is believed besides the touches.
@@ -275,17 +281,17 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
     fn linearize(&mut self, schema: &BodySchema) -> Linearization {
         debug_assert!(schema.fits(self.creature));
         let mut total = Linearization::nothing(self.parameters.len());
-        let bases = match self.parameters.axis_model {
+        let bases: Vec<Matrix3x2<f64>> = match self.parameters.axis_model {
             AxisModel::Relaxed => Vec::new(),
             AxisModel::Unit => schema.axes.iter().map(tangent_basis).collect(),
         };
-        let at = Linearized { schema, parameters: self.parameters, bases };
         let mut fixed = self.fixed.iter_mut();
         let mut sides = [SideJacobian::default(), SideJacobian::default()];
         for (pair, columns) in self.touches.pairs.iter().zip(&self.columns) {
             let most_rows = pair.touches.len() * TouchResiduals::MOST;
             // Transposed, so that a touch writes adjacent memory.
-            let mut jacobian = DMatrix::zeros(columns.len, most_rows);
+            let width = columns.own.len();
+            let mut jacobian = DMatrix::zeros(width, most_rows);
             let mut residuals = DVector::zeros(most_rows);
             let mut row = 0;
             for touch in &pair.touches {
@@ -298,7 +304,12 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                     touch.sides[k].inwards(schema, &found.points[k], side);
                     let sign = if k == 0 { 1.0 } else { -1.0 };
                     for (i, direction) in found.directions().iter().enumerate() {
-                        columns.write_row(&mut jacobian, row + i, &(direction * sign), side, &at);
+                        let row = &mut jacobian.as_mut_slice()[(row + i) * width..][..width];
+                        let write = |offset: usize, slopes: &[f64]| {
+                            row[offset..offset + slopes.len()].copy_from_slice(slopes);
+                        };
+                        let direction = direction * sign;
+                        columns.own.slopes(schema, side, &direction, |dof| bases[dof], write);
                     }
                 }
                 for (i, value) in found.values().iter().enumerate() {
@@ -306,11 +317,11 @@ impl<M: ObservationModel> LeastSquares for TouchProblem<'_, M> {
                 }
                 row += found.values().len();
             }
-            if columns.len > 0 {
+            if width > 0 {
                 let used = jacobian.columns(0, row);
                 let hessian = used * used.transpose();
                 let gradient = used * residuals.rows(0, row);
-                count_work(LOOK * pair.touches.len() + row * columns.len.pow(2));
+                count_work(LOOK * pair.touches.len() + row * width.pow(2));
                 columns.scatter(&hessian, &gradient, &mut total);
             }
         }
@@ -366,50 +377,7 @@ impl PreparedTouch {
     }
 }
 
-/// Where a problem is linearized.
-struct Linearized<'a> {
-    schema: &'a BodySchema,
-    parameters: &'a Parameters,
-    /// Per unit axis, a basis of its tangent plane; empty if axes are relaxed.
-    bases: Vec<Matrix3x2<f64>>,
-}
-
 impl ChainColumns {
-    /// Writes one residual's derivative, `direction · ∂p_C/∂(parameters)` of one side, into `row`.
-    fn write_row(
-        &self,
-        jacobian: &mut DMatrix<f64>,
-        row: usize,
-        direction: &Vector3<f64>,
-        side: &SideJacobian,
-        at: &Linearized,
-    ) {
-        for (joint, map) in &side.joints {
-            if let Some(column) = self.positions[*joint] {
-                jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&map.tr_mul(direction));
-            }
-        }
-        for (dof, derivative) in &side.dofs {
-            let Some(column) = self.axes[*dof] else { continue };
-            let free = derivative.tr_mul(direction);
-            match at.bases.get(*dof) {
-                None => jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&free),
-                Some(basis) => jacobian.fixed_view_mut::<2, 1>(column, row).copy_from(&basis.tr_mul(&free)),
-            }
-        }
-        for pose in &side.poses {
-            let along = pose.map.tr_mul(direction);
-            if let Some(column) = self.limb_origins[pose.joint] {
-                jacobian.fixed_view_mut::<3, 1>(column, row).copy_from(&along);
-            }
-            if let Some(column) = self.limb_rotations[pose.joint] {
-                let rotation = &at.schema.limb_poses[pose.joint].rotation;
-                let slope = at.parameters.rotation_slope(&along, rotation, &pose.point);
-                slope.enumerate().for_each(|(i, slope)| jacobian[(column + i, row)] = slope);
-            }
-        }
-    }
-
     /// Adds a pair's normal equations to those of all parameters.
     fn scatter(&self, hessian: &DMatrix<f64>, gradient: &DVector<f64>, total: &mut Linearization) {
         let places = || {

@@ -7,10 +7,9 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::creature::Creature;
-use crate::deadline::Deadline;
-use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::least_squares::Stopping;
 use crate::learning::observation::PointsMeet;
-use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
+use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
@@ -93,7 +92,7 @@ fn twin(
         |joint| joints.contains(&joint),
         |joint, _| untold.contains(&joint),
     );
-    let now = misfit(&few, schema);
+    let now = few.misfit(PointsMeet::Anyhow, schema);
     let turned = |turned: &dyn Fn(usize) -> bool| {
         let mut other = schema.clone();
         let of_it = axes.iter().enumerate().filter(|(number, _)| turned(*number));
@@ -121,16 +120,15 @@ fn twin(
         others.push(other);
     }
     others.into_iter().find_map(|other| {
-        let stopping =
-            Stopping { iterations: STEPS, relative_cost: 1e-6, cost: 0.0, deadline: Deadline::Never };
-        let mut problem = TouchProblem::new(creature, &few, &parameters, PointsMeet::Anyhow);
-        let other = levenberg_marquardt(&mut problem, other, stopping).state;
+        let stopping = Stopping { iterations: STEPS, relative_cost: 1e-6, ..Stopping::default() };
+        let other = TouchProblem::new(creature, &few, &parameters, PointsMeet::Anyhow).fit(other, stopping);
         let is_turned = |joint: &usize| {
             let mut elements = creature.joints()[*joint].elements().filter(|at| !at.is_ball());
             elements.any(|at| (other.axes[at.axis()] - schema.axes[at.axis()]).norm() > SAME_AXIS)
         };
         let turned: Vec<usize> = untold.iter().copied().filter(is_turned).collect();
-        (!turned.is_empty() && misfit(&few, &other) <= AS_WELL * now + AS_EXACTLY).then_some(turned)
+        (!turned.is_empty() && few.misfit(PointsMeet::Anyhow, &other) <= AS_WELL * now + AS_EXACTLY)
+            .then_some(turned)
     })
 }
 
@@ -145,13 +143,6 @@ fn normals(pair: &PairTouches) -> Vec<Vector3<f64>> {
         SymmetricEigen::new(scatter).eigenvectors
     };
     [0, 1].map(on_limb).iter().flat_map(|found| [0, 1, 2].map(|k| found.column(k).into_owned())).collect()
-}
-
-/// Root mean square of what points miss each other by, in their deviations.
-fn misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let squared =
-        |touch: &PreparedTouch| PointsMeet::Anyhow.squared_misfit(&touch.ends, &touch.frames(schema));
-    (touches.touches().map(squared).sum::<f64>() / (3 * touches.len().max(1)) as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -273,7 +264,7 @@ mod tests {
     fn two_fingers_that_meet_only_each_other_in_a_plane_tell_nothing_and_out_of_it_all() {
         for (is_in_plane, left) in [(true, 0), (false, 40)] {
             let (creature, schema, touches) = fingers(is_in_plane);
-            assert!(misfit(&touches, &schema) < 1e-6);
+            assert!(touches.misfit(PointsMeet::Anyhow, &schema) < 1e-6);
             assert_eq!(without_twins(&creature, &touches, &schema, &[false; 4]).len(), left, "{is_in_plane}");
         }
     }

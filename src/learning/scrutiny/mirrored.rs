@@ -11,8 +11,8 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use super::open::FEWEST_FELT;
 use super::{CLOSED, SHARP, Scrutiny, ToldTouch};
 use crate::creature::DofKind;
-use crate::learning::annealing::{NARROWEST, quantile};
-use crate::learning::least_squares::{Stopping, levenberg_marquardt};
+use crate::learning::annealing::{NARROWEST, quantile, sorted};
+use crate::learning::least_squares::Stopping;
 use crate::learning::open_gaps::FELT;
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::SurfaceGap;
@@ -123,24 +123,21 @@ impl Scrutiny<'_> {
 
     /// Whether hardly any of some touches would part, or press, as a hinge turned.
     fn is_unfelt(&self, dof: usize, touches: &[&ToldTouch], schema: &BodySchema) -> bool {
-        let nothing = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| false);
-        let (mut row, mut slopes) = (GapRow::default(), Vec::new());
         let feels = |touch: &&&ToldTouch| {
-            row.set(self.agent.skin(), &nothing, schema, &touch.prepared);
-            row.angle_slopes(schema, &touch.prepared, &mut slopes);
-            slopes.iter().any(|(other, slope)| *other == dof && slope.abs() > FELT)
+            let mut slopes = touch.prepared.gap_slopes(self.agent.skin(), schema);
+            slopes.any(|(other, slope)| other == dof && slope.abs() > FELT)
         };
         touches.iter().filter(feels).count() < FEWEST_FELT
     }
 
     /// The directions of which touches tell least of an axis, the least first; the last is the one of which they tell most.
     fn normals(&self, axis: usize, touches: &[&ToldTouch], schema: &BodySchema) -> [Vector3<f64>; 2] {
-        let nothing = Parameters::new(self.agent.creature(), AxisModel::Unit, |_| false);
+        let free = Parameters::of(self.agent.creature(), AxisModel::Relaxed, |_| false, |_, dof| dof == axis);
         let mut row = GapRow::default();
         let mut told = Matrix3::zeros();
         for touch in touches {
-            row.set(self.agent.skin(), &nothing, schema, &touch.prepared);
-            let slope: Vector3<f64> = row.axis_slope(axis);
+            row.set(self.agent.skin(), &free, schema, &touch.prepared);
+            let slope = Vector3::from_iterator(row.entries.iter().map(|(_, slope)| *slope));
             told += slope * slope.transpose();
         }
         let found = SymmetricEigen::new(told);
@@ -160,23 +157,20 @@ impl Scrutiny<'_> {
         let creature = self.agent.creature();
         let parameters = Parameters::new(creature, AxisModel::Unit, |other| other == joint);
         let set = self.set(touches.iter().copied());
-        let mut found: Vec<f64> = touches.iter().map(|touch| self.miss(touch, &schema)).collect();
-        found.sort_by(f64::total_cmp);
+        let found = sorted(touches.iter().map(|touch| self.miss(touch, &schema)));
         let widest = quantile(&found, 0.9).max(deviation);
         let narrowest = if deviation > NARROWEST { deviation } else { SHARP };
         for width in [widest, (widest * narrowest).sqrt(), narrowest] {
             let model = SurfaceGap::new(self.agent.skin(), width).without_places();
-            let mut problem =
-                TouchProblem::new(creature, &set, &parameters, model).with_prior(&self.known.prior);
+            let problem = TouchProblem::new(creature, &set, &parameters, model).with_prior(&self.known.prior);
             let stopping = Stopping { iterations: STEPS, relative_cost: 1e-6, ..Stopping::default() };
-            schema = levenberg_marquardt(&mut problem, schema, stopping).state;
+            schema = problem.fit(schema, stopping);
         }
         schema
     }
 
     fn misses(&self, touches: &[&ToldTouch], schema: &BodySchema) -> Misses {
-        let mut gaps: Vec<f64> = touches.iter().map(|touch| self.felt_gap(CLOSED, touch, schema)).collect();
-        gaps.sort_by(f64::total_cmp);
+        let gaps = sorted(touches.iter().map(|touch| self.felt_gap(CLOSED, touch, schema)));
         let closed: Vec<f64> = gaps.iter().copied().filter(|gap| gap.is_finite()).collect();
         Misses {
             open: gaps.iter().filter(|gap| **gap >= CLOSED).count(),

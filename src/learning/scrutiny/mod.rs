@@ -14,7 +14,6 @@ use std::collections::BTreeMap;
 use crate::agent::Agent;
 use crate::creature::{Creature, Posture};
 use crate::kinematics::Chain;
-use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::learning::{Input, Learned, PriorKnowledge};
 use crate::schema::BodySchema;
@@ -146,25 +145,16 @@ impl<'a> Scrutiny<'a> {
     pub fn miss(&self, touch: &ToldTouch, schema: &BodySchema) -> f64 {
         match self.by_points() {
             true => touch.prepared.miss(schema).norm(),
-            false => {
-                let frames = touch.prepared.frames(schema);
-                SurfaceGap::new(self.agent.skin(), 1.0).gap(&touch.prepared.ends, &frames).distance.abs()
-            }
+            false => touch.prepared.gap(self.agent.skin(), schema).distance.abs(),
         }
     }
 
-    /// How far apart a schema leaves what touched, metres; infinitely where surfaces nearer than the `widest` tolerance that is
-    /// asked for meet out of the patches that felt them.
+    /// The same, of surfaces as [`PreparedTouch::felt_gap`] has it.
     pub fn felt_gap(&self, widest: f64, touch: &ToldTouch, schema: &BodySchema) -> f64 {
-        if self.by_points() {
-            return self.miss(touch, schema);
+        match self.by_points() {
+            true => self.miss(touch, schema),
+            false => touch.prepared.felt_gap(self.agent.skin(), schema, widest),
         }
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
-        let frames = touch.prepared.frames(schema);
-        let found = model.gap(&touch.prepared.ends, &frames);
-        let gap = found.distance.abs();
-        let is_elsewhere = gap < widest && !model.is_felt(&touch.prepared.ends, &frames, &found);
-        if is_elsewhere { f64::INFINITY } else { gap }
     }
 
     /// What was learned from touches, as far as it stands: whatever does not, no touch tells of, and `fit` fits the others, of

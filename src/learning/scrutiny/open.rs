@@ -2,10 +2,8 @@
 
 use super::{CLOSED, Member, Scrutiny, ToldTouch};
 use crate::creature::DofKind;
-use crate::learning::annealing::{NARROWEST, quantile};
+use crate::learning::annealing::{NARROWEST, quantile, sorted};
 use crate::learning::open_gaps::{EXACTLY_OPEN, FELT};
-use crate::learning::prediction::GapRow;
-use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
 /// After a fit a gap is open that is wider than [`EXACTLY_OPEN`] and than so many standard deviations.
@@ -57,9 +55,8 @@ impl Scrutiny<'_> {
         }
         // Without noise a wrong axis of a joint that hardly turns closes its touches to a tenth of a micrometre, and all others
         // to some nanometres.
-        let mut sorted: Vec<f64> = misses.iter().map(|(_, miss)| *miss).collect();
-        sorted.sort_by(f64::total_cmp);
-        let wide = SHARPLY_OPEN.max(MANY_TIMES * quantile(&sorted, 0.5));
+        let usual = quantile(&sorted(misses.iter().map(|(_, miss)| *miss)), 0.5);
+        let wide = SHARPLY_OPEN.max(MANY_TIMES * usual);
         self.most_suspect(misses.iter().map(|&(touch, miss)| (touch, miss > wide)), |_, of_it| {
             of_it.beyond() > SHARPLY_OPEN_SHARE
         })
@@ -75,15 +72,13 @@ impl Scrutiny<'_> {
     ) -> Option<usize> {
         let creature = self.agent.creature();
         let mut counts = vec![[0; 2]; creature.joints().len()];
-        let nothing = Parameters::new(creature, AxisModel::Unit, |_| false);
-        let mut row = GapRow::default();
-        let mut slopes = Vec::new();
         for touch in told {
-            row.set(self.agent.skin(), &nothing, schema, &touch.prepared);
-            row.angle_slopes(schema, &touch.prepared, &mut slopes);
+            let slopes = touch.prepared.gap_slopes(self.agent.skin(), schema);
+            let felt: Vec<usize> =
+                slopes.filter(|(_, slope)| slope.abs() > FELT).map(|(dof, _)| dof).collect();
             for &joint in &touch.moving {
                 let dofs = creature.joints()[joint].dof_indices();
-                let is_felt = slopes.iter().any(|(dof, slope)| dofs.contains(dof) && slope.abs() > FELT);
+                let is_felt = felt.iter().any(|dof| dofs.contains(dof));
                 counts[joint][0] += usize::from(is_felt);
                 counts[joint][1] += 1;
             }

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 use super::open::SHARPLY_OPEN;
 use super::{Member, Scrutiny, ToldTouch};
-use crate::learning::annealing::quantile;
-use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
+use crate::learning::annealing::{quantile, sorted};
+use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::schema::BodySchema;
 
 /// Touches of a pair of limbs from which on a pattern in their gaps shows.
@@ -51,15 +51,11 @@ impl Scrutiny<'_> {
         if touches.len() < SHOWING {
             return 0.0;
         }
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
         let step = touches.len().div_ceil(MOST).max(1);
         let touches: Vec<&ToldTouch> = touches.iter().copied().step_by(step).collect();
-        let gap =
-            |touch: &&ToldTouch| model.gap(&touch.prepared.ends, &touch.prepared.frames(schema)).distance;
+        let gap = |touch: &&ToldTouch| touch.prepared.gap(self.agent.skin(), schema).distance;
         let gaps: Vec<f64> = touches.iter().map(gap).collect();
-        let mut sizes: Vec<f64> = gaps.iter().map(|gap| gap.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let usual = quantile(&sizes, 0.5);
+        let usual = quantile(&sorted(gaps.iter().map(|gap| gap.abs())), 0.5);
         if usual <= SHARPLY_OPEN {
             return 0.0;
         }

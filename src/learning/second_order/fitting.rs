@@ -35,13 +35,10 @@ impl SecondOrder {
         match self.evidence() {
             Evidence::Points { .. } => {
                 let stopping = Stopping { iterations: 60, ..LAST };
-                let fit = |schema: BodySchema, prior: &Prior| {
-                    let mut problem =
-                        TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
-                            .with_prior(prior);
-                    levenberg_marquardt(&mut problem, schema, stopping).state
-                };
-                let mut schema = fit(schema, self.prior());
+                let problem =
+                    TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
+                        .with_prior(self.prior());
+                let mut schema = problem.fit(schema, stopping);
                 if self.shows_noise(&used, &parameters, &schema) {
                     schema = self.fit_in_noise(&used, &parameters, schema, true);
                 }
@@ -61,9 +58,9 @@ impl SecondOrder {
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
-                    let mut problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
+                    let problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
                         .with_prior(&self.known.prior);
-                    schema = levenberg_marquardt(&mut problem, schema, LAST).state;
+                    schema = problem.fit(schema, LAST);
                     schema = self.sharpened(skin, &used, &parameters, schema);
                 } else {
                     schema = self.fit_in_noise(&used, &parameters, schema, true);
@@ -133,10 +130,7 @@ impl SecondOrder {
 
     /// Whether points are farther apart than they were taken to be, as far as parameters do not take that up: that much is noise.
     pub(super) fn shows_noise(&self, used: &TouchSet, parameters: &Parameters, schema: &BodySchema) -> bool {
-        let misfit: f64 = used
-            .touches()
-            .map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
-            .sum();
+        let misfit: f64 = used.squared_misfits(PointsMeet::Shaped, schema).sum();
         let spare = 3.0 * used.len() as f64 - parameters.len() as f64;
         self.input == Input::Contact && self.frames == LimbFrames::Joint && misfit > spare.max(1.0)
     }
@@ -159,9 +153,9 @@ impl SecondOrder {
             }
             // A place in a patch says nothing that gaps so narrow do not.
             let model = SurfaceGap::new(skin, left).without_places();
-            let mut problem = TouchProblem::new(self.agent.creature(), touches, parameters, model)
+            let problem = TouchProblem::new(self.agent.creature(), touches, parameters, model)
                 .with_prior(&self.known.prior);
-            let sharper = levenberg_marquardt(&mut problem, schema.clone(), stopping).state;
+            let sharper = problem.fit(schema.clone(), stopping);
             let now = typical_gap(&gaps(skin, touches, &sharper));
             if now >= left {
                 break;

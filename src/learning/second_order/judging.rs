@@ -6,13 +6,13 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::{FEW, MOST_NOISE, OPEN, SecondOrder};
 use crate::learning::Input;
-use crate::learning::annealing::{NARROWEST, gaps, quantile, typical_gap};
+use crate::learning::annealing::{NARROWEST, gaps, quantile, sorted, typical_gap};
 use crate::learning::growing::{Evidence, Start};
 use crate::learning::noise::{Adjusted, Compared, Noise, gaps_of, information, likeness};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::{GapTally, MOST_FALSE, OpenGaps};
 use crate::learning::prediction::{covariance, information_inverse};
-use crate::learning::surface_gap::{CERTAIN_NOISE, SurfaceGap};
+use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchSet};
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -64,7 +64,7 @@ impl SecondOrder {
             return self.judge_gaps(&known, &used, start);
         };
         // What few touches leave open is no noise.
-        if evidence.may_be_noisy() && usual_point_misfit(&known, &start.schema) >= EXACTLY {
+        if evidence.may_be_noisy() && usual_misfit(&known, &start.schema) >= EXACTLY {
             return self.judge_gaps(&known, &used, start);
         }
         // Points without noise are their own proof. Touches of a limb that hardly any other tells of are not foretold.
@@ -74,7 +74,7 @@ impl SecondOrder {
             return (f64::INFINITY, f64::INFINITY);
         }
         let shrunk = self.shrunk(&foretold, &start.schema);
-        ((point_misfit(&foretold, &start.schema) / acceptance).max(shrunk), 0.0)
+        ((foretold.misfit(PointsMeet::Shaped, &start.schema) / acceptance).max(shrunk), 0.0)
     }
 
     /// How nearly a schema explains touches in any postures as well, see [`shrunk`].
@@ -82,9 +82,7 @@ impl SecondOrder {
         match self.compared().1 {
             Compared::Points => shrunk(touches, |touch| touch.miss(schema).norm(), POINTS_APART, POINT),
             Compared::Surfaces => {
-                let model = SurfaceGap::new(self.agent.skin(), 1.0);
-                let gap =
-                    |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
+                let gap = |touch: &PreparedTouch| touch.gap(self.agent.skin(), schema).distance.abs();
                 shrunk(touches, gap, GAPS_APART, NARROWEST)
             }
         }
@@ -136,14 +134,13 @@ impl SecondOrder {
         if tested < FEW || 2 * tested < normalized.len() {
             return (f64::INFINITY, deviation);
         }
-        normalized.sort_by(f64::total_cmp);
         // One open touch may be false, whatever it is with; and so may as many as elsewhere.
         let chance = GapTally::of_chance(&self.agent, fitted);
         let told = found.beyond(&chance).filter(|[_, all]| *all >= FEW as f64);
         let worst = told.map(|[open, all]| (open - 1.0) / all / FRESH_OPEN).fold(0.0, f64::max);
         let [open, all] = found.all;
         let closed = 0.8 * (1.0 - open / all);
-        let misfit = (quantile(&normalized, closed) / FRESH_GAP).max(worst);
+        let misfit = (quantile(&sorted(normalized), closed) / FRESH_GAP).max(worst);
         let most = (open - 1.0) / (MOST_FALSE * all);
         let (tolerable, vague) = match is_by_points {
             // Limbs that are all in one place explain points as well as noise does.
@@ -217,28 +214,12 @@ pub(super) fn shrunk(
     if honest.is_empty() {
         return 0.0;
     }
-    let [honest, mixed] = [honest, mixed].map(|mut misses: Vec<f64>| {
-        misses.sort_by(f64::total_cmp);
-        quantile(&misses, 0.5)
-    });
+    let [honest, mixed] = [honest, mixed].map(|misses: Vec<f64>| quantile(&sorted(misses), 0.5));
     times * honest.max(least) / mixed.max(least)
 }
 
-/// Root mean square of the whitened misses of a schema.
-fn point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let squares: f64 = squared_point_misfits(touches, schema).sum();
-    (squares / (3.0 * touches.len() as f64)).sqrt()
-}
-
-/// The misfit that most touches stay below, in the same units.
-fn usual_point_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
-    let mut misfits: Vec<f64> =
-        squared_point_misfits(touches, schema).map(|squared| (squared / 3.0).sqrt()).collect();
-    misfits.sort_by(f64::total_cmp);
-    quantile(&misfits, USUAL)
-}
-
-/// Per touch, the sum of the squares of its three whitened residuals.
-fn squared_point_misfits(touches: &TouchSet, schema: &BodySchema) -> impl Iterator<Item = f64> {
-    touches.touches().map(|touch| PointsMeet::Shaped.squared_misfit(&touch.ends, &touch.frames(schema)))
+/// The root mean square of its three whitened residuals that most touches stay below.
+fn usual_misfit(touches: &TouchSet, schema: &BodySchema) -> f64 {
+    let squares = touches.squared_misfits(PointsMeet::Shaped, schema);
+    quantile(&sorted(squares.map(|squared| (squared / 3.0).sqrt())), USUAL)
 }
