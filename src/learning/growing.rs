@@ -10,13 +10,27 @@
 //! the body whole: from the receptors' centres with relaxed axes, then by the surfaces with relaxed axes, for joints
 //! that turn little are lost in the patches and only the surfaces feel them, then on the sphere. Joints whose touches
 //! stay open then are left out.
+//!
+//! Where limbs have frames of their own, a new limb brings its pose on its joint besides, and
+//!
+//! 1. with rotations `Q` relaxed to any matrix a residual is linear in all positions and poses once the axes are
+//!    given. So an initial guess is random axes and nothing else: the rest is solved for at once.
+//! 2. A limb that a chain passed through before it was touched itself has a frame by convention. Its first
+//!    touches with a limb whose place is known determine its own frame in closed form (Kabsch 1976).
+//! 3. A pair of limbs is taken only when what it adds is tied to all that is known: both limbs are placed
+//!    already or new, and no limb in between has a frame that nothing in the pair refers to.
+//!
+//! A limb is *placed* once touches of its own determine its frame, and *framed* once anything refers to its frame.
 
 use std::collections::BTreeSet;
 
+use nalgebra::{Matrix3, Vector3};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::agent::Agent;
 use crate::deadline::Deadline;
+use crate::geometry::Frame;
 use crate::learning::annealing::{
     AnnealingLimits, HOPELESS, NARROWEST, POINT_FITS, WIDEST, anneal_to, gaps, meet, quantile, usual_miss,
 };
@@ -24,14 +38,25 @@ use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::OpenGaps;
 use crate::learning::touch_set::{PairTouches, PreparedTouch, TouchProblem, TouchSet};
-use crate::learning::{AxisModel, Parameters, Prior};
-use crate::schema::BodySchema;
+use crate::learning::{AxisModel, LimbFrames, Parameters, Prior};
+use crate::schema::{BodySchema, nearest_rotation};
 use crate::skin::Skin;
 
 /// Root mean square of whitened misses, on touches not fitted to, that points without noise can have.
 pub const EXACT: f64 = 1.0;
-/// Initial guesses tried for one part of the body before the whole start is given up.
-const GUESSES_PER_PART: usize = 12;
+/// Root mean square of whitened residuals that is as good as zero: no noise is so small.
+const ZERO: f64 = 1e-5;
+/// Initial guesses tried for one part of the body.
+const GUESSES_PER_PART: usize = 16;
+/// Parts that fail before a start grows no more.
+const MOST_FAILED: usize = 4;
+/// The same where a start knows nothing yet: long chains alone make none to grow on.
+const HOPELESS_PARTS: usize = 2;
+/// Misfit of a part below which no better initial guess is looked for, where limbs' poses take up more than joints do: exact points
+/// leave far less.
+const CERTAIN: f64 = 1e-2;
+/// How much harder a part may be than the easiest and be taken first, degrees of freedom: later starts differ in that.
+const VARIETY: f64 = 3.0;
 /// A body of more degrees of freedom than this is seldom solved whole: that is tried in the end alone, and a few times.
 pub const WHOLE_DOF: usize = 60;
 
@@ -46,15 +71,22 @@ const RELAXED_GAPS: [f64; 4] = [3e-3, WIDEST, 1e-3, 3e-4];
 const HOPELESS_MISFIT: f64 = 100.0;
 /// Equations that a joint has to spare at the least.
 const SPARE: usize = 3;
+/// Equations that a part has to spare at the least.
+const PART_SPARE: usize = 9;
 /// Of so many joints one may be given up.
 const MOST_GIVEN_UP: usize = 4;
 /// Touches that fix where a limb is on the joints about it.
 const FIXED_BY: usize = 4;
+/// Touches that determine a limb's own frame at the least.
+const REGISTERED: usize = 5;
+/// How far they must reach across the line that fits them best, metres (root mean square).
+const BREADTH: f64 = 2e-3;
 /// Sizes of parts that starts in noise begin with, each of twice as many touches as the one before; the last is the whole body, as
 /// every fourth start is.
 const NOISY_SIZES: usize = 4;
 
 /// What one start came to.
+#[derive(Clone)]
 pub struct Start {
     /// The schema it reached.
     pub schema: BodySchema,
@@ -76,14 +108,32 @@ impl Start {
     }
 }
 
-/// The ground on which starts are made.
-pub struct Nursery<'a> {
-    /// The creature.
+/// A part of the body that can be solved next.
+struct Part {
+    /// Its unknown joints.
+    joints: Vec<usize>,
+    /// Known joints that it moves besides.
+    released: Vec<usize>,
+    /// The touches that it closes.
+    touches: TouchSet,
+}
+
+impl Part {
+    fn moves(&self, joint: usize) -> bool {
+        self.joints.contains(&joint) || self.released.contains(&joint)
+    }
+}
+
+/// What starts are made from.
+pub struct MultiStart<'a> {
+    /// The agent.
     pub agent: &'a Agent,
     /// The touches to explain.
     pub touches: &'a TouchSet,
     /// What the touches say.
     pub evidence: Evidence<'a>,
+    /// The frames that points on limbs are given in; those of the limbs' own need exact points.
+    pub frames: LimbFrames,
     /// Where joints may be.
     pub prior: &'a Prior,
     /// Joints that keep the prior's mean.
@@ -144,12 +194,14 @@ impl Evidence<'_> {
         !matches!(self, Evidence::Points { noise: None, patches: false, .. })
     }
 
-    /// Touches of points that a part needs before it is solved: some, and some more per unknown degree of freedom. In noise a wrong
-    /// answer may explain few touches, and how many are few depends on the body: starts differ in that.
-    fn enough(&self, dof: usize, start: usize) -> usize {
+    /// Touches of points that a part needs before it is solved, where there is a choice: some, and some more per unknown degree of
+    /// freedom and limb's pose. In noise a wrong answer may explain few touches, and how many are few depends on the body: starts
+    /// differ in that.
+    fn enough(&self, dof: usize, poses: usize, start: usize) -> usize {
+        let enough = 8 + 2 * dof + 4 * poses;
         match self {
-            Evidence::Points { noise: Some(_), .. } => (8 + 2 * dof) << (start % NOISY_SIZES),
-            _ => 8 + 2 * dof,
+            Evidence::Points { noise: Some(_), .. } => enough << (start % NOISY_SIZES),
+            _ => enough,
         }
     }
 }
@@ -164,35 +216,53 @@ impl Misfit {
     }
 }
 
-impl Nursery<'_> {
+impl MultiStart<'_> {
     /// One start from a random initial guess.
     pub fn start(&self, rng: &mut ChaCha8Rng) -> Start {
-        let mut guess = self.prior.mean.clone();
+        let mut start = self.nothing();
         for joint in (0..self.frozen.len()).filter(|&joint| !self.frozen[joint]) {
-            self.prior.randomize_joint(self.agent.creature(), &mut guess, joint, rng);
+            self.prior.randomize_joint(self.agent.creature(), &mut start.schema, joint, rng);
         }
-        let touches = self.without(&self.starved());
+        let touches = self.usable();
         // Points are sharp enough to grow on, every fourth start is whole for safety; receptors are coarse.
-        if self.evidence.exact() && self.turn % 4 < 3 {
-            self.grown(&touches, guess, rng)
+        let grows = self.frames == LimbFrames::Limb || self.turn % 4 < 3;
+        if self.evidence.exact() && grows {
+            self.grown(&touches, start, rng)
         } else {
-            self.whole(&touches, guess, rng)
+            self.whole(touches, start, rng)
         }
     }
 
+    /// How many joints and limbs can be known: they are before the first touch, or have touches enough.
+    pub fn solvable(&self) -> usize {
+        let touches = self.usable();
+        let joints = touches.joints();
+        let joints = (0..self.frozen.len()).filter(|joint| self.frozen[*joint] || joints.contains(joint));
+        let limbs = match self.frames {
+            LimbFrames::Joint => self.agent.creature().limbs().len(),
+            LimbFrames::Limb => touches.limbs().len(),
+        };
+        joints.count() + limbs
+    }
+
+    /// The touches between limbs with enough of them, across joints with enough of them.
+    fn usable(&self) -> TouchSet {
+        self.placing(&self.without(&self.underdetermined()), &self.nothing().placed)
+    }
+
     /// All joints at once; of surfaces without those whose touches stay open.
-    fn whole(&self, touches: &TouchSet, guess: BodySchema, rng: &mut ChaCha8Rng) -> Start {
-        let mut start = self.nothing(guess);
-        let part = unknown_joints(&touches.pairs, &start.known);
-        if part.is_empty() || self.deadline.has_passed() {
+    fn whole(&self, touches: TouchSet, mut start: Start, rng: &mut ChaCha8Rng) -> Start {
+        let joints = unknown_joints(&touches.pairs, &start.known);
+        if joints.is_empty() || self.deadline.has_passed() {
             return start;
         }
-        let (schema, mut misfit) = self.solve_once(touches, &start.schema, (&part, &[]), rng);
+        let part = Part { joints, released: Vec::new(), touches };
+        let (schema, mut misfit) = self.solve_once(&part, &start, rng);
         start.schema = schema;
         start.initial_guesses += 1;
-        part.iter().for_each(|&joint| start.known[joint] = true);
+        part.joints.iter().for_each(|&joint| start.known[joint] = true);
         if misfit.acceptable() {
-            misfit = self.settle_known(touches, &mut start);
+            misfit = self.settle_known(&part.touches, &mut start);
         }
         start.accepted = match self.evidence {
             Evidence::Points { .. } => misfit.acceptable(),
@@ -200,52 +270,63 @@ impl Nursery<'_> {
             Evidence::Surfaces(_) => misfit.0 <= NOISY_GAP / PART_GAP,
         };
         if matches!(self.evidence, Evidence::Surfaces(_)) && misfit.acceptable() {
-            self.give_up(touches, &mut start);
+            self.give_up(&part.touches, &mut start);
         }
         start
     }
 
-    /// Limb pair by limb pair.
-    fn grown(&self, touches: &TouchSet, guess: BodySchema, rng: &mut ChaCha8Rng) -> Start {
-        let mut start = self.nothing(guess);
-        // Joints that could not be solved: no touch with them is used.
-        let mut given_up = vec![false; start.known.len()];
+    /// Part by part: what no initial guess solves is left out.
+    fn grown(&self, touches: &TouchSet, mut start: Start, rng: &mut ChaCha8Rng) -> Start {
+        // Limbs and parts that no way was found to fit.
+        let mut misfits = vec![false; start.placed.len()];
+        let mut failed: Vec<Vec<usize>> = Vec::new();
         loop {
-            let touches = touches.filter(|pair| pair.chain.joints().all(|joint| !given_up[joint]));
-            let part = self.next_part(&touches, &start.known).filter(|_| !self.deadline.has_passed());
-            let Some(part) = part else { return start };
-            let rest = unknown_joints(&touches.pairs, &start.known).len() == part.len();
-            let loose = self.loosened(&touches, &start.known, &part);
-            let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
-            let closed = closed(&touches, &start.known, in_part);
-            // Parts get several initial guesses, for what is known is worth keeping.
-            let guesses = &mut start.initial_guesses;
-            let (schema, misfit) = self.solve_part(&closed, &start.schema, (&part, &loose), rng, guesses);
-            if !misfit.acceptable() && !rest {
-                part.iter().for_each(|&joint| given_up[joint] = true);
+            if let Some((limb, frame)) = self.registration(touches, &start, &misfits) {
+                let mut placed = start.clone();
+                placed.schema.reframe(self.agent.creature(), limb, &frame);
+                placed.placed[limb] = true;
+                match self.settle_known(touches, &mut placed).acceptable() {
+                    true => start = placed,
+                    false => misfits[limb] = true,
+                }
                 continue;
             }
-            start.schema = schema;
-            part.iter().for_each(|&joint| start.known[joint] = true);
-            start.accepted = misfit.acceptable() && self.settle_known(&touches, &mut start).acceptable();
-            if !start.accepted {
+            let most = if start.known.contains(&true) { MOST_FAILED } else { HOPELESS_PARTS };
+            if failed.len() >= most || self.deadline.has_passed() {
                 return start;
+            }
+            let Some(part) = self.next_part(touches, &start, &failed, rng) else { return start };
+            let mut grown = start.clone();
+            let is_solved = self.solve_part(&part, &mut grown, rng).acceptable();
+            if is_solved && self.settle_known(touches, &mut grown).acceptable() {
+                start = Start { accepted: true, ..grown };
+            } else {
+                start.initial_guesses = grown.initial_guesses;
+                failed.push(part.joints);
             }
         }
     }
 
     /// A start of which nothing is known but what was before; that is right, if it is anything.
-    fn nothing(&self, schema: BodySchema) -> Start {
-        let placed = vec![true; self.agent.creature().limbs().len()];
+    fn nothing(&self) -> Start {
+        let limbs = self.agent.creature().limbs().len();
+        let schema = self.prior.mean.clone();
+        let (schema, placed) = match self.frames {
+            LimbFrames::Joint => (schema, vec![true; limbs]),
+            LimbFrames::Limb => (schema.with_limb_poses(), vec![false; limbs]),
+        };
         let accepted = self.frozen.contains(&true);
         Start { schema, known: self.frozen.to_vec(), placed, accepted, initial_guesses: 0 }
     }
 
-    /// Fits all that is known of a start to the touches that tell of it.
+    /// Fits all that is known of a start to its touches.
     fn settle_known(&self, touches: &TouchSet, start: &mut Start) -> Misfit {
         let used = touches.filter(|pair| start.covers(pair));
         let parameters = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
-        let (schema, misfit) = self.settle(&used, &parameters, start.schema.clone(), 30);
+        let has_pose =
+            |joint: usize| self.frames == LimbFrames::Limb && start.known[joint] && start.placed[joint + 1];
+        let parameters = parameters.with_limb_poses(has_pose, None);
+        let (schema, misfit) = self.settle(&used, &parameters, start.schema.clone());
         start.schema = schema;
         misfit
     }
@@ -254,20 +335,18 @@ impl Nursery<'_> {
     /// of one standard deviation each; parameters take up some of it, which is counted in. No acceptance is asked for, so that a
     /// wrong minimum of all initial guesses makes it too large.
     pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<PointNoise> {
-        let touches = self.without(&self.starved());
-        let part = self.next_part(&touches, self.frozen)?;
-        let closed = closed(&touches, self.frozen, |joint| part.contains(&joint));
-        let schema = &self.prior.mean;
-        let (schema, Misfit(misfit)) = self.solve_part(&closed, schema, (&part, &[]), rng, &mut 0);
-        let (rows, unknowns) =
-            (3 * closed.len(), part.iter().map(|&joint| self.unknowns(joint)).sum::<usize>());
+        let mut start = self.nothing();
+        let part = self.next_part(&self.usable(), &start, &[], rng)?;
+        let Misfit(misfit) = self.solve_part(&part, &mut start, rng);
+        let unknowns = part.joints.iter().map(|&joint| self.unknowns(joint)).sum::<usize>();
+        let rows = 3 * part.touches.len();
         // Misfits are told in units of what is accepted.
         let rms = EXACT * misfit * (rows as f64 / rows.saturating_sub(unknowns).max(1) as f64).sqrt();
-        Some(PointNoise { of_points: rms, of_joints: rms / lever(&closed, &schema) })
+        Some(PointNoise { of_points: rms, of_joints: rms / lever(&part.touches, &start.schema) })
     }
 
     /// The joints with too few touches to solve them: each touch closes one gap, or brings a point together.
-    pub fn starved(&self) -> Vec<bool> {
+    fn underdetermined(&self) -> Vec<bool> {
         let mut starved = vec![false; self.agent.creature().joints().len()];
         loop {
             let mut counts = vec![0; starved.len()];
@@ -294,6 +373,19 @@ impl Nursery<'_> {
     /// The touches with none of some joints between their limbs.
     fn without(&self, joints: &[bool]) -> TouchSet {
         self.touches.filter(|pair| pair.chain.joints().all(|joint| !joints[joint]))
+    }
+
+    /// The touches without those of limbs, not placed, that have too few of them to be.
+    fn placing(&self, touches: &TouchSet, placed: &[bool]) -> TouchSet {
+        let mut left = touches.clone();
+        loop {
+            let counts = left.count_of_limbs(self.agent.creature());
+            let before = left.pairs.len();
+            left = left.filter(|pair| pair.limbs.iter().all(|&l| placed[l] || counts[l] >= REGISTERED));
+            if left.pairs.len() == before {
+                return left;
+            }
+        }
     }
 
     /// Leaves out, one by one, the joints whose touches stay open, and fits the others anew: these may be right.
@@ -325,31 +417,58 @@ impl Nursery<'_> {
         (schema, annealed.p80_gap)
     }
 
-    /// The unknown joints of the part to solve next, those of one pair of limbs: of the pairs with touches enough the one with
-    /// fewest unknowns, of others the one that has most touches for its size; none when no touch brings a new joint.
-    fn next_part(&self, touches: &TouchSet, known: &[bool]) -> Option<Vec<usize>> {
-        let parts: Vec<Vec<usize>> = touches.pairs.iter().map(|pair| unknown_joints([pair], known)).collect();
-        let dof = |part: &[usize]| -> usize {
-            part.iter().map(|&j| self.agent.creature().joints()[j].dofs.len()).sum()
-        };
-        let touches_of = |part: &[usize]| -> usize {
-            let closed = parts
-                .iter()
-                .zip(&touches.pairs)
-                .filter(|(other, _)| !other.is_empty() && other.iter().all(|joint| part.contains(joint)));
-            closed.map(|(_, pair)| pair.touches.len()).sum()
-        };
-        let candidates = || parts.iter().filter(|part| !part.is_empty());
-        let rich = candidates()
-            .filter(|part| touches_of(part) >= self.evidence.enough(dof(part), self.turn))
-            .min_by_key(|part| (dof(part), std::cmp::Reverse(touches_of(part))));
-        let richest = || candidates().max_by_key(|part| (1000 * touches_of(part)) / dof(part).max(1));
-        rich.or_else(richest).cloned()
+    /// The part to solve next, the unknown joints of one pair of limbs: of those with touches enough the one with fewest
+    /// unknowns, of others the one that has most touches for its size; `None` if no touch brings a new joint that can be solved.
+    fn next_part(
+        &self,
+        touches: &TouchSet,
+        start: &Start,
+        failed: &[Vec<usize>],
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Part> {
+        let tied = touches.filter(|pair| self.tied(pair, start));
+        let mut best: Option<((bool, f64), Part)> = None;
+        let mut tried: BTreeSet<Vec<usize>> = failed.iter().cloned().collect();
+        for pair in &tied.pairs {
+            let joints = unknown_joints([pair], &start.known);
+            if joints.is_empty() || !tried.insert(joints.clone()) {
+                continue;
+            }
+            let mut part = Part { joints, released: Vec::new(), touches: TouchSet::default() };
+            part.touches = self.placing(&closed(&tied, &start.known, &part), &start.placed);
+            // All of its joints must be in what is left.
+            if part.joints.iter().any(|joint| !part.touches.joints().contains(joint)) {
+                continue;
+            }
+            let poses = self.free_poses(start, &part).iter().filter(|&&free| free).count();
+            let dof: usize =
+                part.joints.iter().map(|&joint| self.agent.creature().joints()[joint].dofs.len()).sum();
+            let unknowns = part.joints.iter().map(|&joint| self.unknowns(joint)).sum::<usize>() + 6 * poses;
+            let count = part.touches.len();
+            if 3 * count < unknowns + PART_SPARE {
+                continue;
+            }
+            let variety = if self.turn == 0 { 0.0 } else { rng.random_range(0.0..VARIETY) };
+            let size = (dof + poses) as f64;
+            let is_poor = count < self.evidence.enough(dof, poses, self.turn);
+            // Of parts as hard, the one with more touches.
+            let hardness =
+                if is_poor { -(count as f64) / size.max(1.0) } else { size + variety - 3e-4 * count as f64 };
+            if best.as_ref().is_none_or(|(least, _)| (is_poor, hardness) < *least) {
+                best = Some(((is_poor, hardness), part));
+            }
+        }
+        let (_, mut part) = best?;
+        if self.frames == LimbFrames::Joint {
+            part.released = self.released(touches, &start.known, &part.joints);
+            part.touches = closed(touches, &start.known, &part);
+        }
+        Some(part)
     }
 
     /// The known joints on limbs that a part is the first to touch. Nothing told so far where an untouched limb is
     /// along the axes of the joints on it: what was found there is gauge freedom, and is to be found now.
-    fn loosened(&self, touches: &TouchSet, known: &[bool], part: &[usize]) -> Vec<usize> {
+    fn released(&self, touches: &TouchSet, known: &[bool], part: &[usize]) -> Vec<usize> {
         let mut met = vec![[0; 2]; self.agent.creature().limbs().len()];
         for pair in &touches.pairs {
             let unknown = |joint: &usize| !known[*joint];
@@ -364,55 +483,128 @@ impl Nursery<'_> {
         loose.map(|(j, _)| j).filter(|&j| !self.frozen[j]).collect()
     }
 
-    /// Solves the joints of `part` by the touches that it closes from several initial guesses, and those that it loosens
-    /// from where they are, all others held; the best schema and its residual.
-    fn solve_part(
-        &self,
-        touches: &TouchSet,
-        schema: &BodySchema,
-        part: (&[usize], &[usize]),
-        rng: &mut ChaCha8Rng,
-        initial_guesses: &mut usize,
-    ) -> (BodySchema, Misfit) {
-        let mut best = self.solve_once(touches, schema, part, rng);
-        *initial_guesses += 1;
+    /// Whether solving a pair's unknown joints would tie its limbs to all that is known of the body between.
+    fn tied(&self, pair: &PairTouches, start: &Start) -> bool {
+        if self.frames == LimbFrames::Joint {
+            return true;
+        }
+        let ends = pair.limbs.iter().all(|&limb| start.placed[limb] || !self.framed(start, limb));
+        // A limb in between, with its joints in the chain: one that has a frame needs one of them known.
+        let is_known_at = |limb: usize| {
+            let at = |&j: &usize| j + 1 == limb || self.agent.creature().joints()[j].parent == limb;
+            pair.chain.joints().filter(at).any(|j| start.known[j])
+        };
+        let limbs = pair.chain.joints().map(|j| j + 1).chain([pair.chain.ancestor]);
+        let mut inner = limbs.filter(|limb| !pair.limbs.contains(limb));
+        ends && inner.all(|limb| !self.framed(start, limb) || is_known_at(limb))
+    }
+
+    /// Whether anything known refers to a limb's frame.
+    fn framed(&self, start: &Start, limb: usize) -> bool {
+        let mut joints = self.agent.creature().joints().iter().enumerate();
+        start.placed[limb]
+            || joints.any(|(j, joint)| start.known[j] && (joint.parent == limb || j + 1 == limb))
+    }
+
+    /// A limb that is not placed yet, and the pose of its own frame in the frame that it has by convention, where touches with
+    /// placed limbs determine it.
+    fn registration(&self, touches: &TouchSet, start: &Start, misfits: &[bool]) -> Option<(usize, Frame)> {
+        let waiting = |limb: &usize| !start.placed[*limb] && !misfits[*limb];
+        (0..start.placed.len()).filter(waiting).find_map(|limb| {
+            let mut places: Vec<[Vector3<f64>; 2]> = Vec::new();
+            for pair in &touches.pairs {
+                let Some(own) = pair.limbs.iter().position(|&end| end == limb) else { continue };
+                if !start.placed[pair.limbs[1 - own]] || pair.chain.joints().any(|j| !start.known[j]) {
+                    continue;
+                }
+                places.extend(pair.touches.iter().map(|touch| {
+                    let frames = touch.frames(&start.schema);
+                    let there = frames[1 - own].point(&touch.ends[1 - own].position);
+                    [touch.ends[own].position, frames[own].inverse_point(&there)]
+                }));
+            }
+            register(&places).map(|frame| (limb, frame))
+        })
+    }
+
+    /// Per joint, whether it belongs to the part and its limb has a frame that the part must find the pose of.
+    fn free_poses(&self, start: &Start, part: &Part) -> Vec<bool> {
+        let touched = part.touches.limbs();
+        let has_frame = |limb: usize| touched.contains(&limb) || self.framed(start, limb);
+        let is_free = |joint: usize| {
+            self.frames == LimbFrames::Limb && part.joints.contains(&joint) && has_frame(joint + 1)
+        };
+        (0..start.known.len()).map(is_free).collect()
+    }
+
+    /// The joint whose limb's rotation is gauge freedom in a part: where two new branches meet in a
+    /// limb without a frame, one of them may be turned at will.
+    fn held_rotation(&self, start: &Start, part: &Part, poses: &[bool]) -> Option<usize> {
+        part.touches.pairs.iter().find_map(|pair| {
+            let meeting = pair.chain.ancestor;
+            let joint = self.agent.creature().joint_of(meeting);
+            let is_carried = joint.is_some_and(|joint| part.joints.contains(&joint));
+            if is_carried || part.touches.limbs().contains(&meeting) || self.framed(start, meeting) {
+                return None;
+            }
+            pair.chain.sides[0].iter().copied().find(|&joint| poses[joint])
+        })
+    }
+
+    /// Solves a part from several initial guesses, all that it does not move held: the best answer, right or not, is taken into a
+    /// start.
+    fn solve_part(&self, part: &Part, start: &mut Start, rng: &mut ChaCha8Rng) -> Misfit {
+        let enough = if self.frames == LimbFrames::Limb { CERTAIN } else { 1.0 };
+        let mut best = self.solve_once(part, start, rng);
+        start.initial_guesses += 1;
         for _ in 1..GUESSES_PER_PART {
-            if best.1.acceptable() || self.deadline.has_passed() {
+            if best.1.0 <= enough || self.deadline.has_passed() {
                 break;
             }
-            let trial = self.solve_once(touches, schema, part, rng);
-            *initial_guesses += 1;
+            let trial = self.solve_once(part, start, rng);
+            start.initial_guesses += 1;
             if trial.1 < best.1 {
                 best = trial;
             }
         }
-        best
+        let (schema, misfit) = best;
+        start.schema = schema;
+        part.joints.iter().for_each(|&joint| start.known[joint] = true);
+        part.touches.limbs().into_iter().for_each(|limb| start.placed[limb] = true);
+        misfit
     }
 
     /// The same from one initial guess.
-    fn solve_once(
-        &self,
-        touches: &TouchSet,
-        schema: &BodySchema,
-        (part, loose): (&[usize], &[usize]),
-        rng: &mut ChaCha8Rng,
-    ) -> (BodySchema, Misfit) {
-        let in_part = |joint: usize| part.contains(&joint) || loose.contains(&joint);
-        let relaxed = self.parameters(AxisModel::Relaxed, &in_part);
-        let unit = self.parameters(AxisModel::Unit, &in_part);
-        let creature = self.agent.creature();
-        let mut trial = schema.clone();
-        part.iter().for_each(|&joint| self.prior.randomize_joint(creature, &mut trial, joint, rng));
+    fn solve_once(&self, part: &Part, start: &Start, rng: &mut ChaCha8Rng) -> (BodySchema, Misfit) {
+        let (creature, touches) = (self.agent.creature(), &part.touches);
+        let poses = self.free_poses(start, part);
+        let held = self.held_rotation(start, part, &poses);
+        let with_poses = |parameters: Parameters| parameters.with_limb_poses(|joint| poses[joint], held);
+        let relaxed = with_poses(self.parameters(AxisModel::Relaxed, &|joint| part.moves(joint)));
+        let unit = with_poses(self.parameters(AxisModel::Unit, &|joint| part.moves(joint)));
+        let mut trial = start.schema.clone();
+        for &joint in &part.joints {
+            self.prior.randomize_joint(creature, &mut trial, joint, rng);
+            if let Some(pose) = trial.limb_poses.get_mut(joint) {
+                *pose = Frame::identity();
+            }
+        }
         let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
             meet(creature, touches, parameters, self.prior, schema, (fits, self.deadline))
         };
-        trial = meet(&relaxed, trial, POINT_FITS);
+        if self.frames == LimbFrames::Limb {
+            let positions = Parameters::positions(creature, AxisModel::Relaxed, |joint| part.moves(joint));
+            (trial, _) = self.solve(touches, &with_poses(positions), trial, 6);
+        } else {
+            trial = meet(&relaxed, trial, POINT_FITS);
+        }
         if self.evidence.exact() {
             (trial, _) = self.solve(touches, &relaxed, trial, 100);
         }
         trial.normalize_axes(creature);
+        trial.normalize_limb_poses();
         if let Evidence::Points { .. } = self.evidence {
-            return self.settle(touches, &unit, trial, 60);
+            return self.settle(touches, &unit, trial);
         }
         let trial = meet(&unit, trial, POINT_FITS / 2);
         let miss = usual_miss(touches, &trial);
@@ -423,16 +615,10 @@ impl Nursery<'_> {
     }
 
     /// Fits unit axes to points, then to surfaces where these are known.
-    fn settle(
-        &self,
-        touches: &TouchSet,
-        parameters: &Parameters,
-        start: BodySchema,
-        iterations: usize,
-    ) -> (BodySchema, Misfit) {
+    fn settle(&self, touches: &TouchSet, parameters: &Parameters, start: BodySchema) -> (BodySchema, Misfit) {
         match self.evidence {
             Evidence::Points { acceptance, .. } => {
-                let (schema, rms) = self.solve(touches, parameters, start, iterations);
+                let (schema, rms) = self.solve(touches, parameters, start, 60);
                 (schema, Misfit(rms / acceptance))
             }
             Evidence::Surfaces(skin) => {
@@ -479,8 +665,7 @@ impl Nursery<'_> {
         if !self.evidence.exact() {
             problem = problem.with_prior(self.prior);
         }
-        // Far below what noise can do there is nothing left to gain here.
-        let cost = 0.5 * count * 1e-6;
+        let cost = 0.5 * count * ZERO * ZERO;
         let stopping = Stopping { iterations, relative_cost: 1e-4, cost, deadline: self.deadline };
         let solution = levenberg_marquardt(&mut problem, start, stopping);
         (solution.state, (2.0 * solution.cost / count).sqrt())
@@ -504,9 +689,30 @@ fn lever(touches: &TouchSet, schema: &BodySchema) -> f64 {
 }
 
 /// The touches of the pairs that a part closes: they need it, and nothing else that is unknown.
-fn closed(touches: &TouchSet, known: &[bool], in_part: impl Fn(usize) -> bool) -> TouchSet {
+fn closed(touches: &TouchSet, known: &[bool], part: &Part) -> TouchSet {
     touches.filter(|pair| {
         let mut joints = pair.chain.joints();
-        joints.clone().any(&in_part) && joints.all(|joint| known[joint] || in_part(joint))
+        joints.clone().any(|joint| part.moves(joint)) && joints.all(|joint| known[joint] || part.moves(joint))
     })
+}
+
+/// The pose that carries the first of each two places to the second with the least sum of squares (Kabsch
+/// 1976); `None` if the places do not determine it.
+fn register(places: &[[Vector3<f64>; 2]]) -> Option<Frame> {
+    if places.len() < REGISTERED {
+        return None;
+    }
+    let count = places.len() as f64;
+    let middles = [0, 1].map(|k| places.iter().map(|place| place[k]).sum::<Vector3<f64>>() / count);
+    let spread: Matrix3<f64> = places
+        .iter()
+        .map(|place| (place[1] - middles[1]) * (place[0] - middles[0]).transpose() / count)
+        .sum();
+    let mut across = spread.svd(false, false).singular_values;
+    across.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
+    if across[1].is_nan() || across[1] <= BREADTH * BREADTH {
+        return None;
+    }
+    let rotation = nearest_rotation(&spread);
+    Some(Frame { rotation, origin: middles[1] - rotation * middles[0] })
 }

@@ -8,7 +8,6 @@ pub mod annealing;
 mod certainty;
 mod curvature;
 mod growing;
-mod growing_limbs;
 pub mod growth;
 mod hersch;
 mod in_unit;

@@ -167,13 +167,7 @@ impl SecondOrder {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
         let fresh = self.prepare(fresh);
         let touches = self.prepare(self.fitted());
-        let solvable = match self.frames {
-            LimbFrames::Joint => {
-                let starved = self.nursery(self.evidence(), &touches, 0).starved();
-                starved.iter().filter(|&&starved| !starved).count() + self.agent.creature().limbs().len()
-            }
-            LimbFrames::Limb => self.limb_nursery(&touches, 0).solvable(),
-        };
+        let solvable = self.multi_start(self.evidence(), &touches, 0).solvable();
         let search = self.planned(&touches, starts);
         let (found, initial_guesses) = self.search(&search, solvable, &touches, &fresh);
         self.conclude(found, initial_guesses)

@@ -8,8 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{MOST_NOISE, SecondOrder, taken_deviation};
 use crate::deadline::{count, side_by_side, worked};
 use crate::learning::annealing::NARROWEST;
-use crate::learning::growing::{Evidence, Nursery, Start, WHOLE_DOF};
-use crate::learning::growing_limbs::LimbNursery;
+use crate::learning::growing::{Evidence, MultiStart, Start, WHOLE_DOF};
 use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::TouchSet;
 use crate::learning::{LimbFrames, PriorKnowledge};
@@ -93,18 +92,16 @@ impl SecondOrder {
         fitted.map(|(_, touch)| touch).filter(few_of_a_pair)
     }
 
-    pub(super) fn nursery<'t>(
+    /// What start number `turn` is made from.
+    pub(super) fn multi_start<'t>(
         &'t self,
         evidence: Evidence<'t>,
         touches: &'t TouchSet,
         turn: usize,
-    ) -> Nursery<'t> {
+    ) -> MultiStart<'t> {
         let PriorKnowledge { prior, frozen, .. } = &self.known;
-        Nursery { agent: &self.agent, touches, evidence, prior, frozen, turn, deadline: self.deadline }
-    }
-
-    pub(super) fn limb_nursery<'t>(&'t self, touches: &'t TouchSet, turn: usize) -> LimbNursery<'t> {
-        LimbNursery { creature: self.agent.creature(), touches, turn, deadline: self.deadline }
+        let (agent, frames, deadline) = (&self.agent, self.frames, self.deadline);
+        MultiStart { agent, touches, evidence, frames, prior, frozen, turn, deadline }
     }
 
     /// How to look for an answer: of points that show noise, of which nobody knows how much it is, in that of a first part.
@@ -116,7 +113,7 @@ impl SecondOrder {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(NOISE_STREAM);
         let most = MOST_NOISE / taken_deviation(touches);
-        let noise = self.nursery(evidence, touches, 0).point_noise(&mut rng);
+        let noise = self.multi_start(evidence, touches, 0).point_noise(&mut rng);
         match noise.filter(|noise| (VISIBLE_NOISE..=most).contains(&noise.of_points)) {
             None => StartSearch { evidence, starts },
             Some(noise) => {
@@ -144,11 +141,7 @@ impl SecondOrder {
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let nursery = self.nursery(search.evidence, touches, number);
-            let mut start = match self.frames {
-                LimbFrames::Joint => nursery.start(&mut rng),
-                LimbFrames::Limb => self.limb_nursery(touches, number).start(&mut rng),
-            };
+            let mut start = self.multi_start(search.evidence, touches, number).start(&mut rng);
             self.fit_start_in_noise(touches, &mut start);
             let (judged, noise) = self.judge(search.evidence, touches, fresh, &start);
             // How wide noise leaves a part is for all touches to say.
