@@ -12,21 +12,22 @@
 //!
 //! Curvature is asked of round surfaces alone; a box that tilts has kinks where these have curvature.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::Account;
+use super::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use super::observability::Observability;
-use super::placement::{Z95, far_apart};
+use super::placement::{LimbTwists, Z95, far_apart, shifts};
 use super::prediction::GapRow;
 use super::touch_set::{PreparedTouch, TouchSet};
 use crate::agent::Agent;
 use crate::creature::Posture;
-use crate::geometry::{Frame, tangent_basis};
-use crate::kinematics::{Chain, limb_frames};
+use crate::geometry::tangent_basis;
+use crate::kinematics::Chain;
 use crate::schema::BodySchema;
 
 /// Directions known no better than this at first order are looked at, radians or characteristic lengths.
@@ -37,9 +38,8 @@ const MOST_DIRECTIONS: usize = 24;
 const STEP: f64 = 5e-3;
 /// Touches that are looked at, in units of the numbers that describe the gaps.
 const TOUCHES: usize = 2;
-/// Points of a limb that stand for its skin, and postures in which they are looked at.
+/// Points of a limb that stand for its skin.
 const POINTS: usize = 2;
-const POSTURES: usize = 1;
 /// Pairs of limbs that are looked at, those nearest in the tree first.
 const MOST_PAIRS: usize = 30;
 /// Initial guesses of each minimum, and its steps.
@@ -47,7 +47,7 @@ const STARTS: usize = 3;
 const ITERATIONS: usize = 25;
 /// How exactly the skin is displaced, as a share.
 const DISPLACED: f64 = 1e-2;
-/// The seed of postures and initial guesses.
+/// The seed of the posture in which skin is looked at, and of initial guesses.
 const SEED: u64 = 0;
 
 /// How far off skin may be between each two limbs of an account, metres at 95 %: as the account has it or, where that is more
@@ -214,39 +214,13 @@ impl CurvedGaps {
     }
 
     /// The sum of squared gaps where Levenberg's and Marquardt's steps lead, with the displacement held.
-    fn descended(&self, mut s: DVector<f64>, along: &DVector<f64>, displacement: f64) -> f64 {
-        let tight = 1.0 / (DISPLACED * displacement);
-        let cost = |gaps: &DVector<f64>, s: &DVector<f64>| {
-            gaps.norm_squared() + ((along.dot(s) - displacement) * tight).powi(2)
-        };
-        let mut gaps = self.gaps(&s);
-        let mut damping = 1e-3;
-        for _ in 0..ITERATIONS {
-            let slopes = self.slopes(&s);
-            let mut hessian = slopes.tr_mul(&slopes);
-            let mut gradient = slopes.tr_mul(&gaps);
-            hessian.ger(tight * tight, along, along, 1.0);
-            gradient.axpy(tight * tight * (along.dot(&s) - displacement), along, 1.0);
-            let before = cost(&gaps, &s);
-            let floor = 1e-12 * hessian.diagonal().amax();
-            let improved = (0..8).find_map(|_| {
-                let mut damped = hessian.clone();
-                (0..self.directions).for_each(|i| damped[(i, i)] += damping * hessian[(i, i)].max(floor));
-                let trial = damped.cholesky().map(|factor| &s - factor.solve(&gradient));
-                let better = trial.map(|trial| (self.gaps(&trial), trial));
-                let better = better.filter(|(gaps, trial)| cost(gaps, trial) < before);
-                damping *= if better.is_some() { 0.2 } else { 5.0 };
-                better
-            });
-            let Some((found, trial)) = improved else { break };
-            let now = cost(&found, &trial);
-            (gaps, s) = (found, trial);
-            if now > (1.0 - 1e-4) * before {
-                break;
-            }
-        }
+    fn descended(&self, start: DVector<f64>, along: &DVector<f64>, displacement: f64) -> f64 {
+        let stopping = Stopping { iterations: ITERATIONS, relative_cost: 1e-4, ..Stopping::default() };
+        let mut problem = Displaced { gaps: self, along, displacement };
+        let s = levenberg_marquardt(&mut problem, start, stopping).state;
         // A displacement that was not reached counts as if it had been.
-        gaps.norm_squared() * (displacement / along.dot(&s).abs().max(DISPLACED * displacement)).powi(4)
+        let reached = along.dot(&s).abs().max(DISPLACED * displacement);
+        self.gaps(&s).norm_squared() * (displacement / reached).powi(4)
     }
 
     fn gaps(&self, s: &DVector<f64>) -> DVector<f64> {
@@ -275,54 +249,65 @@ fn products(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).flat_map(move |i| (i..count).map(move |j| (i, j)))
 }
 
-/// How skin shifts with the badly known directions.
+/// How skin shifts with the badly known directions, in one posture.
 struct Shifts<'a> {
     agent: &'a Agent,
-    directions: usize,
-    /// Per posture the frames of all limbs, at the schema and on both sides of it along each direction.
-    frames: Vec<Vec<[Vec<Frame>; 2]>>,
-    here: Vec<Vec<Frame>>,
+    twists: LimbTwists,
 }
 
 impl<'a> Shifts<'a> {
     fn new(agent: &'a Agent, schema: &BodySchema, found: &Observability, badly: &DMatrix<f64>) -> Shifts<'a> {
-        let creature = agent.creature();
-        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-        let postures: Vec<Posture> = (0..POSTURES).map(|_| Posture::random(creature, &mut rng)).collect();
-        let moved =
-            |column: usize, sign: f64| found.parameters.step(schema, &(badly.column(column) * (sign * STEP)));
-        let of_posture = |posture: &Posture| {
-            let sides =
-                |column: usize| [1.0, -1.0].map(|sign| limb_frames(creature, &moved(column, sign), posture));
-            (0..badly.ncols()).map(sides).collect()
-        };
-        Shifts {
-            agent,
-            directions: badly.ncols(),
-            frames: postures.iter().map(of_posture).collect(),
-            here: postures.iter().map(|posture| limb_frames(creature, schema, posture)).collect(),
-        }
+        let posture = Posture::random(agent.creature(), &mut ChaCha8Rng::seed_from_u64(SEED));
+        let steps = badly.transpose();
+        let twists = LimbTwists::new(agent.creature(), schema, &found.parameters, &steps, &posture);
+        Shifts { agent, twists }
     }
 
-    /// The derivative of where points of either limb are in the other's frame, per posture and point 3 rows (m).
+    /// The derivative of where points of either limb are in the other's frame, per point 3 rows (m) along the axes of the root: of a
+    /// plane's body two of them are nothing.
     fn of(&self, [a, b]: [usize; 2]) -> Vec<DMatrix<f64>> {
-        let mut maps = Vec::new();
-        for (limb, other) in [(a, b), (b, a)] {
-            for point in far_apart(self.agent.skin(), limb, POINTS) {
-                for (frames, here) in self.frames.iter().zip(&self.here) {
-                    let place = |frames: &[Frame]| -> Vector3<f64> {
-                        let at = frames[other].inverse_point(&frames[limb].point(&point));
-                        // Along the axes of the root at the schema: of a plane's body two of three rows are then nothing.
-                        here[other].rotation * at
-                    };
-                    let mut map = DMatrix::zeros(3, self.directions);
-                    for (column, [plus, minus]) in frames.iter().enumerate() {
-                        map.column_mut(column).copy_from(&((place(plus) - place(minus)) / (2.0 * STEP)));
-                    }
-                    maps.push(map);
-                }
-            }
-        }
-        maps
+        let of_limb = |[limb, other]: [usize; 2]| {
+            let twists = self.twists.between(limb, other);
+            let points = far_apart(self.agent.skin(), limb, POINTS).into_iter();
+            points.map(move |point| shifts(&twists, &self.twists.frames[limb].point(&point)))
+        };
+        [[a, b], [b, a]].into_iter().flat_map(of_limb).collect()
+    }
+}
+
+/// The least-squares problem of gaps where skin is displaced along a direction.
+struct Displaced<'a> {
+    gaps: &'a CurvedGaps,
+    along: &'a DVector<f64>,
+    displacement: f64,
+}
+
+impl Displaced<'_> {
+    /// The displacement's miss, in units of how exact it is to be; and its slope by a shift along the direction.
+    fn miss(&self, s: &DVector<f64>) -> (f64, f64) {
+        let tight = 1.0 / (DISPLACED * self.displacement);
+        ((self.along.dot(s) - self.displacement) * tight, tight)
+    }
+}
+
+impl LeastSquares for Displaced<'_> {
+    type State = DVector<f64>;
+
+    fn linearize(&mut self, s: &DVector<f64>) -> Linearization {
+        let slopes = self.gaps.slopes(s);
+        let (miss, tight) = self.miss(s);
+        let mut hessian = slopes.tr_mul(&slopes);
+        hessian.ger(tight * tight, self.along, self.along, 1.0);
+        let mut gradient = slopes.tr_mul(&self.gaps.gaps(s));
+        gradient.axpy(tight * miss, self.along, 1.0);
+        Linearization { scale: hessian.diagonal(), hessian, gradient, cost: self.cost(s) }
+    }
+
+    fn cost(&self, s: &DVector<f64>) -> f64 {
+        0.5 * (self.gaps.gaps(s).norm_squared() + self.miss(s).0.powi(2))
+    }
+
+    fn step(&self, s: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
+        s + step
     }
 }
