@@ -102,6 +102,12 @@ pub fn typical_gap(sorted: &[f64]) -> f64 {
     (NORMAL_MEDIAN * quantile(sorted, 0.5)).max(quantile(sorted, 0.8) / NORMAL_P80)
 }
 
+/// How many times as wide gaps would be, by their standard deviation, if a fit of parameters to them took up none of them.
+pub fn shrinkage(gaps: usize, parameters: &Parameters) -> f64 {
+    let spare = (gaps as f64 - 0.7 * parameters.len() as f64).max(1.0);
+    (gaps as f64 / spare).sqrt()
+}
+
 /// The value below which a share of sorted values lies; 0 where there is none.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     if sorted.is_empty() {
@@ -176,9 +182,7 @@ pub fn anneal_to(
         let mut problem = TouchProblem::new(agent.creature(), touches, parameters, model).with_prior(prior);
         damped_from(&mut damping, &mut problem, schema, stopping).state
     };
-    // Parameters take up a part of the gaps.
-    let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
-    let scatter = NORMAL_MEDIAN * (touches.len() as f64 / spare).sqrt();
+    let scatter = NORMAL_MEDIAN * shrinkage(touches.len(), parameters);
     let measure = |schema: &BodySchema| {
         let found = gaps(skin, touches, schema);
         (scatter * quantile(&found, 0.5), quantile(&found, WIDE))

@@ -52,6 +52,8 @@ const GUESSES_PER_PART: usize = 16;
 const MOST_FAILED: usize = 4;
 /// The same where a start knows nothing yet: long chains alone make none to grow on.
 const HOPELESS_PARTS: usize = 2;
+/// Misfit of an answer that is just right, in units of what the evidence allows.
+const ACCEPTABLE: f64 = 1.0;
 /// Misfit of a part below which no better initial guess is looked for, where limbs' poses take up more than joints do: exact points
 /// leave far less.
 const CERTAIN: f64 = 1e-2;
@@ -206,16 +208,6 @@ impl Evidence<'_> {
     }
 }
 
-/// How well a part was solved: 1 is just acceptable.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-struct Misfit(f64);
-
-impl Misfit {
-    fn acceptable(self) -> bool {
-        self.0 <= 1.0
-    }
-}
-
 impl MultiStart<'_> {
     /// One start from a random initial guess.
     pub fn start(&self, rng: &mut ChaCha8Rng) -> Start {
@@ -261,15 +253,15 @@ impl MultiStart<'_> {
         start.schema = schema;
         start.initial_guesses += 1;
         part.joints.iter().for_each(|&joint| start.known[joint] = true);
-        if misfit.acceptable() {
+        if misfit <= ACCEPTABLE {
             misfit = self.settle_known(&part.touches, &mut start);
         }
         start.accepted = match self.evidence {
-            Evidence::Points { .. } => misfit.acceptable(),
+            Evidence::Points { .. } => misfit <= ACCEPTABLE,
             // Whether what is open still may be is for all touches to say.
-            Evidence::Surfaces(_) => misfit.0 <= NOISY_GAP / PART_GAP,
+            Evidence::Surfaces(_) => misfit <= NOISY_GAP / PART_GAP,
         };
-        if matches!(self.evidence, Evidence::Surfaces(_)) && misfit.acceptable() {
+        if matches!(self.evidence, Evidence::Surfaces(_)) && misfit <= ACCEPTABLE {
             self.give_up(&part.touches, &mut start);
         }
         start
@@ -285,7 +277,7 @@ impl MultiStart<'_> {
                 let mut placed = start.clone();
                 placed.schema.reframe(self.agent.creature(), limb, &frame);
                 placed.placed[limb] = true;
-                match self.settle_known(touches, &mut placed).acceptable() {
+                match self.settle_known(touches, &mut placed) <= ACCEPTABLE {
                     true => start = placed,
                     false => misfits[limb] = true,
                 }
@@ -297,8 +289,8 @@ impl MultiStart<'_> {
             }
             let Some(part) = self.next_part(touches, &start, &failed, rng) else { return start };
             let mut grown = start.clone();
-            let is_solved = self.solve_part(&part, &mut grown, rng).acceptable();
-            if is_solved && self.settle_known(touches, &mut grown).acceptable() {
+            let is_solved = self.solve_part(&part, &mut grown, rng) <= ACCEPTABLE;
+            if is_solved && self.settle_known(touches, &mut grown) <= ACCEPTABLE {
                 start = Start { accepted: true, ..grown };
             } else {
                 start.initial_guesses = grown.initial_guesses;
@@ -320,7 +312,7 @@ impl MultiStart<'_> {
     }
 
     /// Fits all that is known of a start to its touches.
-    fn settle_known(&self, touches: &TouchSet, start: &mut Start) -> Misfit {
+    fn settle_known(&self, touches: &TouchSet, start: &mut Start) -> f64 {
         let used = touches.filter(|pair| start.covers(pair));
         let parameters = self.parameters(AxisModel::Unit, &|joint| start.known[joint]);
         let has_pose =
@@ -337,7 +329,7 @@ impl MultiStart<'_> {
     pub fn point_noise(&self, rng: &mut ChaCha8Rng) -> Option<PointNoise> {
         let mut start = self.nothing();
         let part = self.next_part(&self.usable(), &start, &[], rng)?;
-        let Misfit(misfit) = self.solve_part(&part, &mut start, rng);
+        let misfit = self.solve_part(&part, &mut start, rng);
         let unknowns = part.joints.iter().map(|&joint| self.unknowns(joint)).sum::<usize>();
         let rows = 3 * part.touches.len();
         // Misfits are told in units of what is accepted.
@@ -553,12 +545,12 @@ impl MultiStart<'_> {
 
     /// Solves a part from several initial guesses, all that it does not move held: the best answer, right or not, is taken into a
     /// start.
-    fn solve_part(&self, part: &Part, start: &mut Start, rng: &mut ChaCha8Rng) -> Misfit {
-        let enough = if self.frames == LimbFrames::Limb { CERTAIN } else { 1.0 };
+    fn solve_part(&self, part: &Part, start: &mut Start, rng: &mut ChaCha8Rng) -> f64 {
+        let enough = if self.frames == LimbFrames::Limb { CERTAIN } else { ACCEPTABLE };
         let mut best = self.solve_once(part, start, rng);
         start.initial_guesses += 1;
         for _ in 1..GUESSES_PER_PART {
-            if best.1.0 <= enough || self.deadline.has_passed() {
+            if best.1 <= enough || self.deadline.has_passed() {
                 break;
             }
             let trial = self.solve_once(part, start, rng);
@@ -575,7 +567,7 @@ impl MultiStart<'_> {
     }
 
     /// The same from one initial guess.
-    fn solve_once(&self, part: &Part, start: &Start, rng: &mut ChaCha8Rng) -> (BodySchema, Misfit) {
+    fn solve_once(&self, part: &Part, start: &Start, rng: &mut ChaCha8Rng) -> (BodySchema, f64) {
         let (creature, touches) = (self.agent.creature(), &part.touches);
         let poses = self.free_poses(start, part);
         let held = self.held_rotation(start, part, &poses);
@@ -609,34 +601,34 @@ impl MultiStart<'_> {
         let trial = meet(&unit, trial, POINT_FITS / 2);
         let miss = usual_miss(touches, &trial);
         match miss > HOPELESS {
-            true => (trial, Misfit(HOPELESS_MISFIT * miss)),
+            true => (trial, HOPELESS_MISFIT * miss),
             false => self.close_both(touches, &unit, trial),
         }
     }
 
     /// Fits unit axes to points, then to surfaces where these are known.
-    fn settle(&self, touches: &TouchSet, parameters: &Parameters, start: BodySchema) -> (BodySchema, Misfit) {
+    fn settle(&self, touches: &TouchSet, parameters: &Parameters, start: BodySchema) -> (BodySchema, f64) {
         match self.evidence {
             Evidence::Points { acceptance, .. } => {
                 let (schema, rms) = self.solve(touches, parameters, start, 60);
-                (schema, Misfit(rms / acceptance))
+                (schema, rms / acceptance)
             }
             Evidence::Surfaces(skin) => {
                 if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
                     return self.close_both(touches, parameters, start);
                 }
                 let (schema, p80_gap) = self.close(touches, parameters, start);
-                (schema, Misfit(p80_gap / PART_GAP))
+                (schema, p80_gap / PART_GAP)
             }
         }
     }
 
     /// Closes the gaps with relaxed axes, then on the sphere.
-    fn close_both(&self, touches: &TouchSet, unit: &Parameters, start: BodySchema) -> (BodySchema, Misfit) {
+    fn close_both(&self, touches: &TouchSet, unit: &Parameters, start: BodySchema) -> (BodySchema, f64) {
         let relaxed = self.parameters(AxisModel::Relaxed, &|joint| unit.positions[joint].is_some());
         let (schema, _) = self.close(touches, &relaxed, start);
         let (schema, p80_gap) = self.close(touches, unit, schema);
-        (schema, Misfit(p80_gap / PART_GAP))
+        (schema, p80_gap / PART_GAP)
     }
 
     /// One least-squares solve by points; the schema and the root mean square of its whitened residuals.

@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::open::FEWEST_FELT;
-use super::{CLOSED, SHARP, Scrutiny, ToldTouch};
+use super::{CLOSED, Doubt, Member, SHARP, Scrutiny, ToldTouch};
 use crate::creature::DofKind;
 use crate::learning::annealing::{NARROWEST, quantile, sorted};
 use crate::learning::least_squares::Stopping;
@@ -35,14 +35,6 @@ const STOPPED: f64 = 3e-9;
 /// In noise an answer is worse that is less likely by so much, twice the logarithm.
 const UNLIKELY: f64 = 9.0;
 
-/// What a mirror image of some axis comes to.
-pub(super) enum Image {
-    /// It explains the touches of a joint better: a schema with it, nearly fitted.
-    Better(usize, BodySchema),
-    /// It explains the touches of a joint as well.
-    AsGood(usize),
-}
-
 /// How well a schema explains touches.
 struct Misses {
     /// Touches that it leaves open.
@@ -57,7 +49,7 @@ struct Misses {
 impl Scrutiny<'_> {
     /// The first of the joints that hardly move, of which touches tell, whose axes have a mirror image that explains these
     /// as well or better than a schema that was fitted to them; `deviation` is that of a gap, metres.
-    pub(super) fn image(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Image> {
+    pub(super) fn image(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Doubt> {
         let creature = self.agent.creature();
         if self.by_points() {
             return None;
@@ -78,7 +70,7 @@ impl Scrutiny<'_> {
         touches: &[&ToldTouch],
         schema: &BodySchema,
         deviation: f64,
-    ) -> Option<Image> {
+    ) -> Option<Doubt> {
         let creature = self.agent.creature();
         let now = self.misses(touches, schema);
         for at in creature.joints()[joint].elements().filter(|at| !at.is_ball()) {
@@ -104,10 +96,10 @@ impl Scrutiny<'_> {
                 }
                 let then = self.misses(touches, &other);
                 if now.is_worse_than(&then, deviation) {
-                    return Some(Image::Better(joint, other));
+                    return Some(Doubt::Better(joint, other));
                 }
                 if !then.is_worse_than(&now, deviation) {
-                    return Some(Image::AsGood(joint));
+                    return Some(Doubt::Of(Member::Joint(joint)));
                 }
             }
         }

@@ -17,7 +17,6 @@ use crate::kinematics::Chain;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::learning::{Input, Learned, PriorKnowledge};
 use crate::schema::BodySchema;
-use mirrored::Image;
 
 /// A gap narrower than this is closed, metres: a fiftieth of what a wrong answer leaves, and fifty times what a motion
 /// that stops at touch does.
@@ -122,8 +121,18 @@ pub struct Scrutiny<'a> {
 enum Doubt {
     /// A joint or a limb is wrong, or may be.
     Of(Member),
-    /// Another answer, nearly fitted, explains the touches better.
-    Better(BodySchema),
+    /// Another answer, nearly fitted, explains the touches of a joint better.
+    Better(usize, BodySchema),
+}
+
+impl Doubt {
+    /// The joint or the limb that is wrong as the schema has it.
+    fn member(&self) -> Member {
+        match self {
+            Doubt::Of(member) => *member,
+            Doubt::Better(joint, _) => Member::Joint(*joint),
+        }
+    }
 }
 
 impl<'a> Scrutiny<'a> {
@@ -171,18 +180,19 @@ impl<'a> Scrutiny<'a> {
         loop {
             let of: Vec<&ToldTouch> = told.iter().map(|&number| touches[number]).collect();
             let deviation = learned.deviation.unwrap_or(0.0);
-            let Some(doubt) = self.doubt(&of, &learned.schema, deviation, images < MOST_IMAGES) else {
+            let Some(doubt) = self.doubt(&of, &learned.schema, deviation) else {
                 if let Some(account) = &learned.account {
                     learned.verdict = account.verdict(self.agent.creature());
                 }
                 return (learned, fallen);
             };
             let schema = match doubt {
-                Doubt::Better(other) => {
+                Doubt::Better(_, other) if images < MOST_IMAGES => {
                     images += 1;
                     other
                 }
-                Doubt::Of(wrong) => {
+                doubt => {
+                    let wrong = doubt.member();
                     fallen.push(wrong);
                     told.retain(|&number| !touches[number].tells_of(wrong));
                     learned.schema
@@ -195,21 +205,11 @@ impl<'a> Scrutiny<'a> {
     /// The joint or the limb that speaks most against a schema that was fitted to touches, if any does; `deviation` is that of a
     /// gap, metres.
     pub fn doubted(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Member> {
-        match self.doubt(told, schema, deviation, false)? {
-            Doubt::Of(member) => Some(member),
-            Doubt::Better(_) => None,
-        }
+        self.doubt(told, schema, deviation).map(|doubt| doubt.member())
     }
 
-    /// What speaks most against a schema that was fitted to touches; `deviation` is that of a gap, metres. Where no better one is
-    /// wanted, a joint that has one is in doubt.
-    fn doubt(
-        &self,
-        told: &[&ToldTouch],
-        schema: &BodySchema,
-        deviation: f64,
-        wants_better: bool,
-    ) -> Option<Doubt> {
+    /// What speaks most against a schema that was fitted to touches; `deviation` is that of a gap, metres.
+    fn doubt(&self, told: &[&ToldTouch], schema: &BodySchema, deviation: f64) -> Option<Doubt> {
         if let Some(wrong) = self.most_open(told, schema, deviation) {
             return Some(Doubt::Of(wrong));
         }
@@ -218,10 +218,7 @@ impl<'a> Scrutiny<'a> {
         if let Some(wrong) = self.patterned(&true_ones, schema, deviation) {
             return Some(Doubt::Of(wrong));
         }
-        Some(match self.image(&true_ones, schema, deviation)? {
-            Image::Better(_, other) if wants_better => Doubt::Better(other),
-            Image::Better(joint, _) | Image::AsGood(joint) => Doubt::Of(Member::Joint(joint)),
-        })
+        self.image(&true_ones, schema, deviation)
     }
 
     /// Of the joints and limbs that several touches are against that one which the greatest share of its touches is, beyond chance;

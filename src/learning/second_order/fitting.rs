@@ -31,30 +31,28 @@ impl SecondOrder {
         let all = self.prepare(self.touches.iter());
         let used = all.filter(|pair| start.covers(pair));
         let parameters = self.parameters(&start.known, &start.placed);
-        let schema = self.with_frozen(&start.schema);
-        match self.evidence() {
+        let mut schema = self.with_frozen(&start.schema);
+        let told = match self.evidence() {
             Evidence::Points { .. } => {
                 let stopping = Stopping { iterations: 60, ..LAST };
                 let problem =
                     TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
                         .with_prior(self.prior());
-                let mut schema = problem.fit(schema, stopping);
+                schema = problem.fit(schema, stopping);
                 if self.shows_noise(&used, &parameters, &schema) {
                     schema = self.fit_in_noise(&used, &parameters, schema, true);
                 }
-                let schema = self.settled(schema, &start.placed);
-                let told = match self.frames {
+                schema = self.settled(schema, &start.placed);
+                match self.frames {
                     LimbFrames::Joint if self.input == Input::Contact => {
                         without_twins(self.agent.creature(), &used, &schema, &self.known.frozen)
                     }
                     _ => used,
-                };
-                let (account, deviation) = self.account_of(&told, &schema);
-                (schema, account, deviation)
+                }
             }
             Evidence::Surfaces(skin) => {
                 let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
-                let mut schema = annealed.schema;
+                schema = annealed.schema;
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
                     let model = SurfaceGap::new(skin, deviation).with_biased_places();
@@ -65,10 +63,11 @@ impl SecondOrder {
                 } else {
                     schema = self.fit_in_noise(&used, &parameters, schema, true);
                 }
-                let (account, deviation) = self.account_of(&used, &schema);
-                (schema, account, deviation)
+                used
             }
-        }
+        };
+        let (account, deviation) = self.account_of(&told, &schema);
+        (schema, account, deviation)
     }
 
     /// A schema in which every limb that is not placed has the frame of its joint, and every joint its position

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::{FEW, MOST_NOISE, OPEN, SecondOrder};
 use crate::learning::Input;
-use crate::learning::annealing::{NARROWEST, gaps, quantile, sorted, typical_gap};
+use crate::learning::annealing::{NARROWEST, gaps, quantile, shrinkage, sorted, typical_gap};
 use crate::learning::growing::{Evidence, Start};
 use crate::learning::noise::{Adjusted, Compared, Noise, gaps_of, information, likeness};
 use crate::learning::observation::PointsMeet;
@@ -77,15 +77,33 @@ impl SecondOrder {
         ((foretold.misfit(PointsMeet::Shaped, &start.schema) / acceptance).max(shrunk), 0.0)
     }
 
-    /// How nearly a schema explains touches in any postures as well, see [`shrunk`].
+    /// How nearly touches would be explained in any postures as well, 1 is just too nearly: as by a body that is shrunk to the point
+    /// where its limbs meet, or whose limbs spin about themselves. In the postures for comparison each joint is as in another touch
+    /// of the same limbs, and there the median miss is to be several times as large, and as the least that counts, metres.
     fn shrunk(&self, touches: &TouchSet, schema: &BodySchema) -> f64 {
-        match self.compared().1 {
-            Compared::Points => shrunk(touches, |touch| touch.miss(schema).norm(), POINTS_APART, POINT),
-            Compared::Surfaces => {
-                let gap = |touch: &PreparedTouch| touch.gap(self.agent.skin(), schema).distance.abs();
-                shrunk(touches, gap, GAPS_APART, NARROWEST)
+        let is_by_points = self.compared().1 == Compared::Points;
+        let (times, least) = if is_by_points { (POINTS_APART, POINT) } else { (GAPS_APART, NARROWEST) };
+        let miss = |touch: &PreparedTouch| match is_by_points {
+            true => touch.miss(schema).norm(),
+            false => touch.gap(self.agent.skin(), schema).distance.abs(),
+        };
+        let (mut honest, mut mixed) = (Vec::new(), Vec::new());
+        for pair in touches.pairs.iter().filter(|pair| pair.touches.len() > 1) {
+            let count = pair.touches.len();
+            for (i, touch) in pair.touches.iter().enumerate() {
+                let other = |side: usize, place: usize| {
+                    &pair.touches[(i + 1 + (2 * place + side) % (count - 1)) % count].sides[side]
+                };
+                let sides = [0, 1].map(|side| touch.sides[side].mixed(|place| other(side, place)));
+                honest.push(miss(touch));
+                mixed.push(miss(&PreparedTouch { sides, ends: touch.ends }));
             }
         }
+        if honest.is_empty() {
+            return 0.0;
+        }
+        let [honest, mixed] = [honest, mixed].map(|misses| quantile(&sorted(misses), 0.5).max(least));
+        times * honest / mixed
     }
 
     /// Compares the gaps of fresh touches with what the schema predicts of them. A schema that fits by
@@ -163,10 +181,7 @@ pub(super) fn shown_deviation(
     schema: &BodySchema,
 ) -> f64 {
     let typical = typical_gap(&gaps(skin, touches, schema));
-    // Parameters take up a part of the gaps.
-    let spare = (touches.len() as f64 - 0.7 * parameters.len() as f64).max(1.0);
-    let scatter = (touches.len() as f64 / spare).sqrt();
-    (typical * scatter).max(NARROWEST)
+    (typical * shrinkage(touches.len(), parameters)).max(NARROWEST)
 }
 
 /// How far, per coordinate and as a root mean square, the places of touches lie about their middle on a limb: on that of the
@@ -188,34 +203,6 @@ pub(super) fn extent(touches: &TouchSet) -> f64 {
     let larger = |pair: &PairTouches| variances[&pair.limbs[0]].max(variances[&pair.limbs[1]]);
     let sum: f64 = touches.pairs.iter().map(|pair| pair.touches.len() as f64 * larger(pair)).sum();
     (sum / touches.len().max(1) as f64).sqrt()
-}
-
-/// How nearly touches would be explained in any postures as well, 1 is just too nearly: as by a body that is shrunk to the point
-/// where its limbs meet, or whose limbs spin about themselves. In the postures for comparison each joint is as in another touch
-/// of the same limbs, and there the median `miss` is to be so many `times` as large, and as the `least` that tells, metres.
-pub(super) fn shrunk(
-    touches: &TouchSet,
-    miss: impl Fn(&PreparedTouch) -> f64,
-    times: f64,
-    least: f64,
-) -> f64 {
-    let (mut honest, mut mixed) = (Vec::new(), Vec::new());
-    for pair in touches.pairs.iter().filter(|pair| pair.touches.len() > 1) {
-        let count = pair.touches.len();
-        for (i, touch) in pair.touches.iter().enumerate() {
-            let other = |side: usize, place: usize| {
-                &pair.touches[(i + 1 + (2 * place + side) % (count - 1)) % count].sides[side]
-            };
-            let sides = [0, 1].map(|side| touch.sides[side].mixed(|place| other(side, place)));
-            honest.push(miss(touch));
-            mixed.push(miss(&PreparedTouch { sides, ends: touch.ends }));
-        }
-    }
-    if honest.is_empty() {
-        return 0.0;
-    }
-    let [honest, mixed] = [honest, mixed].map(|misses: Vec<f64>| quantile(&sorted(misses), 0.5));
-    times * honest.max(least) / mixed.max(least)
 }
 
 /// The root mean square of its three whitened residuals that most touches stay below.

@@ -15,7 +15,7 @@ use crate::learning::noise::{Adjusted, Compared, Noise, NoisyGap, gaps_of, infor
 use crate::learning::observability::Observability;
 use crate::learning::observation::PointsMeet;
 use crate::learning::open_gaps::witnesses;
-use crate::learning::prediction::{GapRow, information_inverse};
+use crate::learning::prediction::{GapRow, covariance};
 use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
 use crate::learning::{Account, LengthUnit, LimbFrames, Parameters, Witnesses};
@@ -297,12 +297,8 @@ impl SecondOrder {
         schema: &BodySchema,
     ) -> f64 {
         let start = shown_deviation(skin, touches, parameters, schema);
-        let mut problem =
-            TouchProblem::new(self.agent.creature(), touches, parameters, SurfaceGap::new(skin, start))
-                .with_prior(&self.known.prior);
-        let Some(covariance) = information_inverse(problem.linearize(schema).hessian, parameters) else {
-            return start;
-        };
+        let found = covariance(&self.agent, touches, parameters, &self.known.prior, schema, start);
+        let Some(covariance) = found else { return start };
         let mut row = GapRow::default();
         let rows = touches.touches().map(|touch| {
             row.set(skin, parameters, schema, touch);

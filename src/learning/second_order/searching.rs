@@ -43,6 +43,7 @@ const NOISE_MARGIN: f64 = 3.0;
 const NOISE_STREAM: u64 = u64::MAX - 4;
 /// Starts tried with points that have noise.
 const NOISY_STARTS: usize = 8;
+
 /// How to look for an answer.
 pub(super) struct StartSearch<'a> {
     /// What the touches say, and how well an answer has to explain it.
@@ -175,32 +176,36 @@ impl SecondOrder {
                     best = Some(trial);
                 }
                 let best = best.as_ref().expect("one was made");
-                let agreeing =
-                    noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
                 let complete = best.known() >= solvable || *number + 1 >= incomplete_starts;
-                if best.start.accepted && complete && (best.noise <= CERTAIN_NOISE || agreeing >= 2) {
-                    break 'waves;
-                }
                 let blind = self.frames == LimbFrames::Limb && best.known() == 0;
-                if blind && *number + 1 >= BLIND_LIMB_STARTS {
+                let is_found = best.start.accepted && complete && is_certain(&noises, best.noise);
+                if is_found || (blind && *number + 1 >= BLIND_LIMB_STARTS) {
                     break 'waves;
                 }
                 // With points it is the least noise that starts have to agree on, whoever is best by other measures.
                 let least =
                     if points { noises.iter().copied().fold(f64::INFINITY, f64::min) } else { best.noise };
-                let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * least).count();
                 let plausible = CERTAIN_NOISE < least && least < TANGLED;
-                if !best.start.accepted && plausible && agreeing >= HOPELESS_STARTS {
+                if !best.start.accepted && plausible && agreeing(&noises, least) >= HOPELESS_STARTS {
                     break 'waves;
                 }
             }
         }
         let mut best = best.expect("at least one start is made");
         // Noise that no second start finds may be a wrong minimum as well.
-        let agreeing = noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * best.noise).count();
-        best.start.accepted &= best.noise <= CERTAIN_NOISE || agreeing >= 2;
+        best.start.accepted &= is_certain(&noises, best.noise);
         (best, initial_guesses)
     }
+}
+
+/// How many starts left no more noise than one did, metres.
+fn agreeing(noises: &[f64], least: f64) -> usize {
+    noises.iter().filter(|&&noise| noise <= (1.0 + AGREEMENT) * least).count()
+}
+
+/// Whether no less noise than a start left was to be had: there is none, or a second start left as much.
+fn is_certain(noises: &[f64], noise: f64) -> bool {
+    noise <= CERTAIN_NOISE || agreeing(noises, noise) >= 2
 }
 
 pub(super) fn kept_back(touch: usize) -> bool {
