@@ -42,8 +42,13 @@ use crate::learning::{AxisModel, LimbFrames, Parameters, Prior};
 use crate::schema::{BodySchema, nearest_rotation};
 use crate::skin::Skin;
 
-/// Root mean square of whitened misses, on touches not fitted to, that points without noise can have.
-pub const EXACT: f64 = 1.0;
+/// Root mean square of whitened residuals that contact points without noise can have.
+const EXACT: f64 = 1.0;
+/// The same for receptor centres: they have a bias, the bulge of the limb.
+const BIASED: f64 = 1.5;
+/// The same for points in the noise that the part that is solved first shows: others are solved on joints that are held where noise
+/// left them.
+const NOISE_MARGIN: f64 = 3.0;
 /// Root mean square of whitened residuals that is as good as zero: no noise is so small.
 const ZERO: f64 = 1e-5;
 /// Initial guesses tried for one part of the body.
@@ -150,14 +155,11 @@ pub struct MultiStart<'a> {
 #[derive(Clone, Copy)]
 pub enum Evidence<'a> {
     /// The two places of a touch are one point.
-    Points {
-        /// What the root mean square of the whitened residuals stays below.
-        acceptance: f64,
-        /// What noise they have besides, where they show it.
-        noise: Option<PointNoise>,
-        /// Whether the places are the centres of patches, which have a bias, and not points.
-        patches: bool,
-    },
+    Points,
+    /// They are, but for noise.
+    NoisyPoints(PointNoise),
+    /// They are the centres of patches, which have a bias.
+    Centres,
     /// The surfaces meet.
     Surfaces(&'a Skin),
 }
@@ -188,12 +190,21 @@ impl PointNoise {
 impl Evidence<'_> {
     /// Whether the places of a touch are one point, and no patches.
     pub fn exact(&self) -> bool {
-        matches!(self, Evidence::Points { patches: false, .. })
+        matches!(self, Evidence::Points | Evidence::NoisyPoints(_))
+    }
+
+    /// What the root mean square of the whitened residuals of points stays below.
+    pub fn acceptance(&self) -> f64 {
+        match self {
+            Evidence::NoisyPoints(_) => NOISE_MARGIN,
+            Evidence::Centres => BIASED,
+            Evidence::Points | Evidence::Surfaces(_) => EXACT,
+        }
     }
 
     /// Whether there may be noise, of which two starts must agree how much it is.
     pub fn may_be_noisy(&self) -> bool {
-        !matches!(self, Evidence::Points { noise: None, patches: false, .. })
+        !matches!(self, Evidence::Points)
     }
 
     /// Touches of points that a part needs before it is solved, where there is a choice: some, and some more per unknown degree of
@@ -202,7 +213,7 @@ impl Evidence<'_> {
     fn enough(&self, dof: usize, poses: usize, start: usize) -> usize {
         let enough = 8 + 2 * dof + 4 * poses;
         match self {
-            Evidence::Points { noise: Some(_), .. } => enough << (start % NOISY_SIZES),
+            Evidence::NoisyPoints(_) => enough << (start % NOISY_SIZES),
             _ => enough,
         }
     }
@@ -256,13 +267,13 @@ impl MultiStart<'_> {
         if misfit <= ACCEPTABLE {
             misfit = self.settle_known(&part.touches, &mut start);
         }
-        start.accepted = match self.evidence {
-            Evidence::Points { .. } => misfit <= ACCEPTABLE,
+        start.accepted = misfit <= ACCEPTABLE;
+        if let Evidence::Surfaces(_) = self.evidence {
+            if start.accepted {
+                self.give_up(&part.touches, &mut start);
+            }
             // Whether what is open still may be is for all touches to say.
-            Evidence::Surfaces(_) => misfit <= NOISY_GAP / PART_GAP,
-        };
-        if matches!(self.evidence, Evidence::Surfaces(_)) && misfit <= ACCEPTABLE {
-            self.give_up(&part.touches, &mut start);
+            start.accepted = misfit <= NOISY_GAP / PART_GAP;
         }
         start
     }
@@ -346,8 +357,8 @@ impl MultiStart<'_> {
                 pair.chain.joints().for_each(|joint| counts[joint] += pair.touches.len());
             }
             let least = |joint: usize| match self.evidence {
-                Evidence::Points { .. } => self.unknowns(joint) / 2 + SPARE,
                 Evidence::Surfaces(_) => self.unknowns(joint) + SPARE,
+                _ => self.unknowns(joint) / 2 + SPARE,
             };
             let short = |joint: usize| !starved[joint] && !self.frozen[joint] && counts[joint] < least(joint);
             let Some(joint) = (0..starved.len()).filter(|&j| short(j)).min_by_key(|&j| counts[j]) else {
@@ -595,7 +606,7 @@ impl MultiStart<'_> {
         }
         trial.normalize_axes(creature);
         trial.normalize_limb_poses();
-        if let Evidence::Points { .. } = self.evidence {
+        if !matches!(self.evidence, Evidence::Surfaces(_)) {
             return self.settle(touches, &unit, trial);
         }
         let trial = meet(&unit, trial, POINT_FITS / 2);
@@ -608,19 +619,15 @@ impl MultiStart<'_> {
 
     /// Fits unit axes to points, then to surfaces where these are known.
     fn settle(&self, touches: &TouchSet, parameters: &Parameters, start: BodySchema) -> (BodySchema, f64) {
-        match self.evidence {
-            Evidence::Points { acceptance, .. } => {
-                let (schema, rms) = self.solve(touches, parameters, start, 60);
-                (schema, rms / acceptance)
-            }
-            Evidence::Surfaces(skin) => {
-                if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
-                    return self.close_both(touches, parameters, start);
-                }
-                let (schema, p80_gap) = self.close(touches, parameters, start);
-                (schema, p80_gap / PART_GAP)
-            }
+        let Evidence::Surfaces(skin) = self.evidence else {
+            let (schema, rms) = self.solve(touches, parameters, start, 60);
+            return (schema, rms / self.evidence.acceptance());
+        };
+        if quantile(&gaps(skin, touches, &start), 0.8) > PART_GAP {
+            return self.close_both(touches, parameters, start);
         }
+        let (schema, p80_gap) = self.close(touches, parameters, start);
+        (schema, p80_gap / PART_GAP)
     }
 
     /// Closes the gaps with relaxed axes, then on the sphere.
@@ -641,12 +648,12 @@ impl MultiStart<'_> {
     ) -> (BodySchema, f64) {
         let count = (3 * touches.len()).max(1) as f64;
         let model = match (self.evidence, parameters.axis_model) {
-            (Evidence::Points { .. }, AxisModel::Unit) => PointsMeet::Shaped,
-            _ => PointsMeet::Anyhow,
+            (Evidence::Surfaces(_), _) | (_, AxisModel::Relaxed) => PointsMeet::Anyhow,
+            _ => PointsMeet::Shaped,
         };
         let weighed;
         let touches = match self.evidence {
-            Evidence::Points { noise: Some(noise), .. } => {
+            Evidence::NoisyPoints(noise) => {
                 weighed = noise.weighed(touches, &start);
                 &weighed
             }

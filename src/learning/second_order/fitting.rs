@@ -33,7 +33,22 @@ impl SecondOrder {
         let parameters = self.parameters(&start.known, &start.placed);
         let mut schema = self.with_frozen(&start.schema);
         let told = match self.evidence() {
-            Evidence::Points { .. } => {
+            Evidence::Surfaces(skin) => {
+                let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
+                schema = annealed.schema;
+                if annealed.gap_deviation <= CERTAIN_NOISE {
+                    let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
+                    let model = SurfaceGap::new(skin, deviation).with_biased_places();
+                    let problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
+                        .with_prior(&self.known.prior);
+                    schema = problem.fit(schema, LAST);
+                    schema = self.sharpened(skin, &used, &parameters, schema);
+                } else {
+                    schema = self.fit_in_noise(&used, &parameters, schema, true);
+                }
+                used
+            }
+            _ => {
                 let stopping = Stopping { iterations: 60, ..LAST };
                 let problem =
                     TouchProblem::new(self.agent.creature(), &used, &parameters, PointsMeet::Shaped)
@@ -49,21 +64,6 @@ impl SecondOrder {
                     }
                     _ => used,
                 }
-            }
-            Evidence::Surfaces(skin) => {
-                let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
-                schema = annealed.schema;
-                if annealed.gap_deviation <= CERTAIN_NOISE {
-                    let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
-                    let model = SurfaceGap::new(skin, deviation).with_biased_places();
-                    let problem = TouchProblem::new(self.agent.creature(), &used, &parameters, model)
-                        .with_prior(&self.known.prior);
-                    schema = problem.fit(schema, LAST);
-                    schema = self.sharpened(skin, &used, &parameters, schema);
-                } else {
-                    schema = self.fit_in_noise(&used, &parameters, schema, true);
-                }
-                used
             }
         };
         let (account, deviation) = self.account_of(&told, &schema);

@@ -60,11 +60,12 @@ impl SecondOrder {
             return (f64::INFINITY, f64::INFINITY);
         }
         let known = fitted.filter(|pair| start.covers(pair));
-        let Evidence::Points { acceptance, .. } = evidence else {
-            return self.judge_gaps(&known, &used, start);
+        let is_by_gaps = match evidence {
+            Evidence::Surfaces(_) => true,
+            // What few touches leave open is no noise.
+            _ => evidence.may_be_noisy() && usual_misfit(&known, &start.schema) >= EXACTLY,
         };
-        // What few touches leave open is no noise.
-        if evidence.may_be_noisy() && usual_misfit(&known, &start.schema) >= EXACTLY {
+        if is_by_gaps {
             return self.judge_gaps(&known, &used, start);
         }
         // Points without noise are their own proof. Touches of a limb that hardly any other tells of are not foretold.
@@ -74,7 +75,8 @@ impl SecondOrder {
             return (f64::INFINITY, f64::INFINITY);
         }
         let shrunk = self.shrunk(&foretold, &start.schema);
-        ((foretold.misfit(PointsMeet::Shaped, &start.schema) / acceptance).max(shrunk), 0.0)
+        let misfit = foretold.misfit(PointsMeet::Shaped, &start.schema);
+        ((misfit / evidence.acceptance()).max(shrunk), 0.0)
     }
 
     /// How nearly touches would be explained in any postures as well, 1 is just too nearly: as by a body that is shrunk to the point

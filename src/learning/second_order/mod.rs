@@ -16,7 +16,7 @@ use self::judging::extent;
 use self::searching::{Judged, kept_back};
 use crate::agent::Agent;
 use crate::deadline::Deadline;
-use crate::learning::growing::{EXACT, Evidence, Start};
+use crate::learning::growing::{Evidence, Start};
 use crate::learning::observation::SkinKnowledge;
 use crate::learning::surface_gap::CERTAIN_NOISE;
 use crate::learning::touch_set::{LimbTouch, PreparedTouch, TouchSet};
@@ -38,8 +38,6 @@ const FEWEST_TELL: f64 = 0.2;
 const MOST_NOISE: f64 = 0.02;
 /// Touches of a limb that lie less about their middle than this share of how far they are from its joint are at one point.
 const ONE_POINT: f64 = 0.05;
-/// The same as [`EXACT`] for receptor centres: they have a bias, the bulge of the limb.
-const BIASED: f64 = 1.5;
 /// A gap is open when it is wider than this many predicted deviations.
 const OPEN: f64 = 5.0;
 /// Touches with a joint below which their share of open gaps says little of it.
@@ -100,10 +98,8 @@ impl SecondOrder {
 
     fn evidence(&self) -> Evidence<'_> {
         match (self.input, self.knowledge) {
-            (Input::Contact, _) => Evidence::Points { acceptance: EXACT, noise: None, patches: false },
-            (Input::Receptor, SkinKnowledge::Centres) => {
-                Evidence::Points { acceptance: BIASED, noise: None, patches: true }
-            }
+            (Input::Contact, _) => Evidence::Points,
+            (Input::Receptor, SkinKnowledge::Centres) => Evidence::Centres,
             (Input::Receptor, SkinKnowledge::Surface) => Evidence::Surfaces(self.agent.skin()),
         }
     }
@@ -167,9 +163,7 @@ impl SecondOrder {
         let fresh = self.touches.iter().enumerate().filter(|(i, _)| kept_back(*i)).map(|(_, touch)| touch);
         let fresh = self.prepare(fresh);
         let touches = self.prepare(self.fitted());
-        let solvable = self.multi_start(self.evidence(), &touches, 0).solvable();
-        let search = self.planned(&touches, starts);
-        let (found, initial_guesses) = self.search(&search, solvable, &touches, &fresh);
+        let (found, initial_guesses) = self.search(starts, &touches, &fresh);
         self.conclude(found, initial_guesses)
     }
 
@@ -233,7 +227,7 @@ impl SecondOrder {
 
     /// Whether all touches of each limb are so near one point that a body without size explains them as well.
     fn is_at_one_point(&self) -> bool {
-        if !matches!(self.evidence(), Evidence::Points { .. }) {
+        if let Evidence::Surfaces(_) = self.evidence() {
             return false;
         }
         let touches = self.prepare(self.touches.iter());

@@ -18,7 +18,7 @@ use crate::learning::open_gaps::witnesses;
 use crate::learning::prediction::{GapRow, covariance};
 use crate::learning::surface_gap::{CERTAIN_NOISE, MEAN_WEIGHT, SHARPEST, SurfaceGap, TAIL, gap_scale};
 use crate::learning::touch_set::{PairTouches, TouchProblem, TouchSet};
-use crate::learning::{Account, LengthUnit, LimbFrames, Parameters, Witnesses};
+use crate::learning::{Account, Input, LengthUnit, LimbFrames, Parameters, Witnesses};
 use crate::schema::{BodySchema, unfelt_shifts};
 use crate::skin::Skin;
 
@@ -135,12 +135,12 @@ impl SecondOrder {
         let mut spread = 0.0;
         let mut touches = used.clone();
         let sharp = match self.evidence() {
-            Evidence::Points { .. } => None,
             Evidence::Surfaces(skin) => Some(self.gap_deviation(skin, used, &parameters, schema)),
+            _ => None,
         };
         let sharp = sharp.filter(|deviation| *deviation <= CERTAIN_NOISE);
         let (found, deviation, at_floor) = match (self.evidence(), sharp) {
-            (Evidence::Points { patches, .. }, _) if !self.shows_noise(used, &parameters, schema) => {
+            (Evidence::Points | Evidence::Centres, _) if !self.shows_noise(used, &parameters, schema) => {
                 let linearize = |touches: &TouchSet| {
                     TouchProblem::new(self.agent.creature(), touches, &parameters, PointsMeet::Shaped)
                         .linearize(schema)
@@ -149,7 +149,7 @@ impl SecondOrder {
                     let mut model = linearize(&touches);
                     let spare = (3 * touches.len()).saturating_sub(parameters.len()).max(1);
                     let misses = (2.0 * model.cost / spare as f64).sqrt();
-                    if patches {
+                    if self.input == Input::Receptor {
                         model = linearize(&shared_by_receptors(&touches));
                     }
                     // Points that miss by more than they were taken to say that much less.
@@ -223,8 +223,8 @@ impl SecondOrder {
     /// What is compared of touches.
     pub(super) fn compared(&self) -> (&Agent, Compared) {
         let compared = match self.evidence() {
-            Evidence::Points { .. } => Compared::Points,
             Evidence::Surfaces(_) => Compared::Surfaces,
+            _ => Compared::Points,
         };
         (&self.agent, compared)
     }

@@ -36,21 +36,10 @@ const TANGLED: f64 = 5e-3;
 const TOUCHES_PER_PAIR: usize = 150;
 /// Whitened residuals above which points are taken to have noise, and a second start must agree.
 const VISIBLE_NOISE: f64 = 0.1;
-/// Misses of a part in units of the noise that the first part shows, at the most: it is solved on others that are held where noise
-/// left them.
-const NOISE_MARGIN: f64 = 3.0;
 /// Random stream of the look at how much noise points have; starts count from 0 and never get here.
 const NOISE_STREAM: u64 = u64::MAX - 4;
 /// Starts tried with points that have noise.
 const NOISY_STARTS: usize = 8;
-
-/// How to look for an answer.
-pub(super) struct StartSearch<'a> {
-    /// What the touches say, and how well an answer has to explain it.
-    pub evidence: Evidence<'a>,
-    /// Most starts.
-    pub starts: usize,
-}
 
 /// A start and how it did on touches that it was not fitted to.
 pub(super) struct Judged {
@@ -105,48 +94,40 @@ impl SecondOrder {
         MultiStart { agent, touches, evidence, frames, prior, frozen, turn, deadline }
     }
 
-    /// How to look for an answer: of points that show noise, of which nobody knows how much it is, in that of a first part.
-    pub(super) fn planned(&self, touches: &TouchSet, starts: usize) -> StartSearch<'_> {
+    /// What answers are sought by: of points that show noise, of which nobody knows how much it is, in that of a first part.
+    pub(super) fn shown_evidence(&self, touches: &TouchSet) -> Evidence<'_> {
         let evidence = self.evidence();
         if self.input != Input::Contact || self.frames == LimbFrames::Limb {
-            return StartSearch { evidence, starts };
+            return evidence;
         }
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(NOISE_STREAM);
         let most = MOST_NOISE / taken_deviation(touches);
         let noise = self.multi_start(evidence, touches, 0).point_noise(&mut rng);
-        match noise.filter(|noise| (VISIBLE_NOISE..=most).contains(&noise.of_points)) {
-            None => StartSearch { evidence, starts },
-            Some(noise) => {
-                let evidence =
-                    Evidence::Points { acceptance: NOISE_MARGIN, noise: Some(noise), patches: false };
-                StartSearch { evidence, starts: starts.min(NOISY_STARTS) }
-            }
-        }
+        let noise = noise.filter(|noise| (VISIBLE_NOISE..=most).contains(&noise.of_points));
+        noise.map_or(evidence, Evidence::NoisyPoints)
     }
 
-    /// Makes the starts of a search, as many as it takes: the best, and how many random initial guesses it took.
-    pub(super) fn search(
-        &self,
-        search: &StartSearch,
-        solvable: usize,
-        touches: &TouchSet,
-        fresh: &TouchSet,
-    ) -> (Judged, usize) {
-        let dof = self.agent.creature().dof();
-        let incomplete_starts = match (self.frames, search.evidence) {
-            (LimbFrames::Limb, _) => INCOMPLETE_LIMB_STARTS,
-            (_, Evidence::Points { noise: Some(_), .. }) => NOISY_STARTS,
-            _ => INCOMPLETE_STARTS,
+    /// Makes so many starts at most, as many as it takes: the best, and how many random initial guesses it took.
+    pub(super) fn search(&self, starts: usize, touches: &TouchSet, fresh: &TouchSet) -> (Judged, usize) {
+        let evidence = self.shown_evidence(touches);
+        let solvable = self.multi_start(evidence, touches, 0).solvable();
+        // Starts of a large body are long.
+        let is_large = self.agent.creature().dof() > WHOLE_DOF;
+        let (most, incomplete_starts) = match (self.frames, evidence) {
+            (LimbFrames::Limb, _) => (starts, INCOMPLETE_LIMB_STARTS),
+            (_, Evidence::NoisyPoints(_)) => (NOISY_STARTS, NOISY_STARTS),
+            _ if is_large && !evidence.exact() => (LARGE_STARTS, INCOMPLETE_STARTS),
+            _ => (starts, INCOMPLETE_STARTS),
         };
         let make = |number: usize| {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(number as u64);
-            let mut start = self.multi_start(search.evidence, touches, number).start(&mut rng);
+            let mut start = self.multi_start(evidence, touches, number).start(&mut rng);
             self.fit_start_in_noise(touches, &mut start);
-            let (judged, noise) = self.judge(search.evidence, touches, fresh, &start);
+            let (judged, noise) = self.judge(evidence, touches, fresh, &start);
             // How wide noise leaves a part is for all touches to say.
-            start.accepted = judged <= 1.0 && (start.accepted || search.evidence.may_be_noisy());
+            start.accepted = judged <= 1.0 && (start.accepted || evidence.may_be_noisy());
             Judged { start, judged, noise }
         };
         // All cores make starts; which one is taken does not depend on how many there are.
@@ -154,13 +135,7 @@ impl SecondOrder {
         let mut initial_guesses = 0;
         let mut noises: Vec<f64> = Vec::new();
         let points = self.input == Input::Contact;
-        // Starts of a large body are long.
-        let starts = if dof > WHOLE_DOF && !search.evidence.exact() {
-            search.starts.min(LARGE_STARTS)
-        } else {
-            search.starts
-        };
-        let numbers: Vec<usize> = (0..starts).collect();
+        let numbers: Vec<usize> = (0..starts.min(most)).collect();
         let before = worked();
         'waves: for wave in numbers.chunks(rayon::current_num_threads()) {
             let made = side_by_side(before, wave.to_vec(), make);
