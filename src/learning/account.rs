@@ -247,17 +247,6 @@ impl Account {
         })
     }
 
-    /// The limbs that have skin, that which is placed worst among the largest class first.
-    pub fn worst_first(&self) -> Vec<usize> {
-        let distances = |limb: usize| self.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]);
-        let mut limbs = self.limbs.clone();
-        limbs.sort_by(|&a, &b| {
-            let ([best_a, worst_a], [best_b, worst_b]) = (distances(a), distances(b));
-            best_b.total_cmp(&best_a).then(worst_b.total_cmp(&worst_a))
-        });
-        limbs
-    }
-
     /// What is known of each limb that has skin, the limb that is known worst first.
     pub fn limb_lines(&self, creature: &Creature) -> Vec<LimbLine> {
         let line = |limb: usize| LimbLine {
@@ -267,7 +256,12 @@ impl Account {
             bounds: self.distance_to_most(limb).unwrap_or([f64::INFINITY; 2]),
             why: self.openness(creature, limb).map(|why| why.words(creature)),
         };
-        self.worst_first().into_iter().map(line).collect()
+        let mut lines: Vec<LimbLine> = self.limbs.iter().map(|&limb| line(limb)).collect();
+        lines.sort_by(|a, b| {
+            let [best, worst] = [0, 1].map(|k| b.bounds[k].total_cmp(&a.bounds[k]));
+            best.then(worst)
+        });
+        lines
     }
 
     /// Why a limb is not placed among the largest class; none where it is.

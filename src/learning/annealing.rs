@@ -151,17 +151,6 @@ pub fn meet(
 
 /// Fits `parameters` to the surfaces of `touches` from a schema that is right to centimetres.
 pub fn anneal(
-    agent: &Agent,
-    touches: &TouchSet,
-    parameters: &Parameters,
-    prior: &dyn PriorTerm,
-    start: BodySchema,
-) -> Annealed {
-    anneal_to(AnnealingLimits::default(), agent, touches, parameters, prior, start)
-}
-
-/// Like [`anneal`], with other limits.
-pub fn anneal_to(
     limits: AnnealingLimits,
     agent: &Agent,
     touches: &TouchSet,

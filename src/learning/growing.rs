@@ -32,7 +32,7 @@ use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::geometry::Frame;
 use crate::learning::annealing::{
-    AnnealingLimits, HOPELESS, NARROWEST, POINT_FITS, WIDEST, anneal_to, gaps, meet, quantile, usual_miss,
+    AnnealingLimits, HOPELESS, NARROWEST, POINT_FITS, WIDEST, anneal, gaps, meet, quantile, usual_miss,
 };
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
@@ -414,7 +414,7 @@ impl MultiStart<'_> {
             AxisModel::Unit => NARROWEST,
         };
         let limits = AnnealingLimits { narrowest, deadline: self.deadline, ..AnnealingLimits::default() };
-        let annealed = anneal_to(limits, self.agent, touches, parameters, self.prior, start);
+        let annealed = anneal(limits, self.agent, touches, parameters, self.prior, start);
         let mut schema = annealed.schema;
         schema.normalize_axes(self.agent.creature());
         (schema, annealed.p80_gap)

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::{GrownTouch, Growth};
 use crate::learning::Parameters;
-use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal_to};
+use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::online::fit_again;
@@ -73,7 +73,7 @@ impl Growth {
     ) -> BodySchema {
         if !self.by_points() {
             let limits = AnnealingLimits { widest, narrowest, deadline: self.deadline, exact: true };
-            return anneal_to(limits, &self.agent, touches, parameters, prior, schema).schema;
+            return anneal(limits, &self.agent, touches, parameters, prior, schema).schema;
         }
         let stopping =
             Stopping { iterations: POINT_STEPS, relative_cost: 1e-6, cost: 0.0, deadline: self.deadline };

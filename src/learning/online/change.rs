@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, VecDeque};
 use crate::agent::Agent;
 use crate::creature::Creature;
 use crate::kinematics::Chain;
-use crate::learning::annealing::anneal;
+use crate::learning::annealing::{AnnealingLimits, anneal};
 use crate::learning::online::tool::Tool;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
@@ -159,7 +159,8 @@ impl Watch {
             let mut prior = Prior::size(creature, SHIFT);
             prior.mean = schema.clone();
             let position = Parameters::position(creature, joint);
-            let found = anneal(agent, &touches, &position, &prior, schema.clone()).schema;
+            let limits = AnnealingLimits::default();
+            let found = anneal(limits, agent, &touches, &position, &prior, schema.clone()).schema;
             let explained = (closed(skin, &touches, &found, close) * all as f64).round() as usize;
             if enough(explained, all) {
                 offer(explained.saturating_sub(all - open), Explanation::Moved(joint, found));

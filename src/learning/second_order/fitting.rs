@@ -4,7 +4,7 @@ use super::judging::shown_deviation;
 use super::{MOST_NOISE, SecondOrder};
 use crate::deadline::Deadline;
 use crate::geometry::Frame;
-use crate::learning::annealing::{NARROWEST, anneal, gaps, typical_gap};
+use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal, gaps, typical_gap};
 use crate::learning::growing::{Evidence, Start};
 use crate::learning::least_squares::{Stopping, levenberg_marquardt};
 use crate::learning::noise::{Noise, NoisyProblem};
@@ -34,7 +34,8 @@ impl SecondOrder {
         let mut schema = self.with_frozen(&start.schema);
         let told = match self.evidence() {
             Evidence::Surfaces(skin) => {
-                let annealed = anneal(&self.agent, &used, &parameters, &self.known.prior, schema);
+                let limits = AnnealingLimits::default();
+                let annealed = anneal(limits, &self.agent, &used, &parameters, &self.known.prior, schema);
                 schema = annealed.schema;
                 if annealed.gap_deviation <= CERTAIN_NOISE {
                     let deviation = self.gap_deviation(skin, &used, &parameters, &schema);
