@@ -116,6 +116,7 @@ impl Start {
 }
 
 /// A part of the body that can be solved next.
+#[derive(Default)]
 struct Part {
     /// Its unknown joints.
     joints: Vec<usize>,
@@ -250,7 +251,8 @@ impl MultiStart<'_> {
 
     /// The touches between limbs with enough of them, across joints with enough of them.
     fn usable(&self) -> TouchSet {
-        self.placing(&self.without(&self.underdetermined()), &self.nothing().placed)
+        let touches = self.without(&self.underdetermined());
+        set_of(self.placing(touches.pairs.iter().collect(), &self.nothing().placed))
     }
 
     /// All joints at once; of surfaces without those whose touches stay open.
@@ -378,15 +380,17 @@ impl MultiStart<'_> {
         self.touches.filter(|pair| pair.chain.joints().all(|joint| !joints[joint]))
     }
 
-    /// The touches without those of limbs, not placed, that have too few of them to be.
-    fn placing(&self, touches: &TouchSet, placed: &[bool]) -> TouchSet {
-        let mut left = touches.clone();
+    /// The pairs without those of limbs, not placed, that have too few touches in them to be.
+    fn placing<'p>(&self, mut pairs: Vec<&'p PairTouches>, placed: &[bool]) -> Vec<&'p PairTouches> {
         loop {
-            let counts = left.count_of_limbs(self.agent.creature());
-            let before = left.pairs.len();
-            left = left.filter(|pair| pair.limbs.iter().all(|&l| placed[l] || counts[l] >= REGISTERED));
-            if left.pairs.len() == before {
-                return left;
+            let mut counts = vec![0; placed.len()];
+            for pair in &pairs {
+                pair.limbs.iter().for_each(|&limb| counts[limb] += pair.touches.len());
+            }
+            let before = pairs.len();
+            pairs.retain(|pair| pair.limbs.iter().all(|&limb| placed[limb] || counts[limb] >= REGISTERED));
+            if pairs.len() == before {
+                return pairs;
             }
         }
     }
@@ -429,25 +433,27 @@ impl MultiStart<'_> {
         failed: &[Vec<usize>],
         rng: &mut ChaCha8Rng,
     ) -> Option<Part> {
-        let tied = touches.filter(|pair| self.tied(pair, start));
-        let mut best: Option<((bool, f64), Part)> = None;
+        let tied = || touches.pairs.iter().filter(|pair| self.tied(pair, start));
+        let mut best: Option<((bool, f64), Vec<usize>, Vec<&PairTouches>)> = None;
         let mut tried: BTreeSet<Vec<usize>> = failed.iter().cloned().collect();
-        for pair in &tied.pairs {
+        for pair in tied() {
             let joints = unknown_joints([pair], &start.known);
             if joints.is_empty() || !tried.insert(joints.clone()) {
                 continue;
             }
-            let mut part = Part { joints, released: Vec::new(), touches: TouchSet::default() };
-            part.touches = self.placing(&closed(&tied, &start.known, &part), &start.placed);
+            let closed = tied().filter(|pair| closes(pair, &start.known, |joint| joints.contains(&joint)));
+            let closed = self.placing(closed.collect(), &start.placed);
             // All of its joints must be in what is left.
-            if part.joints.iter().any(|joint| !part.touches.joints().contains(joint)) {
+            let is_in = |joint: &usize| closed.iter().any(|pair| pair.chain.joints().any(|j| j == *joint));
+            if !joints.iter().all(is_in) {
                 continue;
             }
-            let poses = self.free_poses(start, &part).iter().filter(|&&free| free).count();
+            let limbs = closed.iter().flat_map(|pair| pair.limbs).collect();
+            let poses = self.free_poses(start, &joints, &limbs).iter().filter(|&&free| free).count();
             let dof: usize =
-                part.joints.iter().map(|&joint| self.agent.creature().joints()[joint].dofs.len()).sum();
-            let unknowns = part.joints.iter().map(|&joint| self.unknowns(joint)).sum::<usize>() + 6 * poses;
-            let count = part.touches.len();
+                joints.iter().map(|&joint| self.agent.creature().joints()[joint].dofs.len()).sum();
+            let unknowns = joints.iter().map(|&joint| self.unknowns(joint)).sum::<usize>() + 6 * poses;
+            let count: usize = closed.iter().map(|pair| pair.touches.len()).sum();
             if 3 * count < unknowns + PART_SPARE {
                 continue;
             }
@@ -457,15 +463,17 @@ impl MultiStart<'_> {
             // Of parts as hard, the one with more touches.
             let hardness =
                 if is_poor { -(count as f64) / size.max(1.0) } else { size + variety - 3e-4 * count as f64 };
-            if best.as_ref().is_none_or(|(least, _)| (is_poor, hardness) < *least) {
-                best = Some(((is_poor, hardness), part));
+            if best.as_ref().is_none_or(|(least, ..)| (is_poor, hardness) < *least) {
+                best = Some(((is_poor, hardness), joints, closed));
             }
         }
-        let (_, mut part) = best?;
-        if self.frames == LimbFrames::Joint {
-            part.released = self.released(touches, &start.known, &part.joints);
-            part.touches = closed(touches, &start.known, &part);
+        let (_, joints, closed) = best?;
+        if self.frames == LimbFrames::Limb {
+            return Some(Part { joints, released: Vec::new(), touches: set_of(closed) });
         }
+        let mut part =
+            Part { released: self.released(touches, &start.known, &joints), joints, ..Part::default() };
+        part.touches = touches.filter(|pair| closes(pair, &start.known, |joint| part.moves(joint)));
         Some(part)
     }
 
@@ -530,13 +538,12 @@ impl MultiStart<'_> {
         })
     }
 
-    /// Per joint, whether it belongs to the part and its limb has a frame that the part must find the pose of.
-    fn free_poses(&self, start: &Start, part: &Part) -> Vec<bool> {
-        let touched = part.touches.limbs();
+    /// Per joint, whether it is one of a part's `joints` and its limb has a frame that the part, by touches of some limbs, must find
+    /// the pose of.
+    fn free_poses(&self, start: &Start, joints: &[usize], touched: &BTreeSet<usize>) -> Vec<bool> {
         let has_frame = |limb: usize| touched.contains(&limb) || self.framed(start, limb);
-        let is_free = |joint: usize| {
-            self.frames == LimbFrames::Limb && part.joints.contains(&joint) && has_frame(joint + 1)
-        };
+        let is_free =
+            |joint: usize| self.frames == LimbFrames::Limb && joints.contains(&joint) && has_frame(joint + 1);
         (0..start.known.len()).map(is_free).collect()
     }
 
@@ -580,7 +587,7 @@ impl MultiStart<'_> {
     /// The same from one initial guess.
     fn solve_once(&self, part: &Part, start: &Start, rng: &mut ChaCha8Rng) -> (BodySchema, f64) {
         let (creature, touches) = (self.agent.creature(), &part.touches);
-        let poses = self.free_poses(start, part);
+        let poses = self.free_poses(start, &part.joints, &touches.limbs());
         let held = self.held_rotation(start, part, &poses);
         let with_poses = |parameters: Parameters| parameters.with_limb_poses(|joint| poses[joint], held);
         let relaxed = with_poses(self.parameters(AxisModel::Relaxed, &|joint| part.moves(joint)));
@@ -687,12 +694,14 @@ fn lever(touches: &TouchSet, schema: &BodySchema) -> f64 {
     (touches.touches().map(square).sum::<f64>() / touches.len().max(1) as f64).sqrt()
 }
 
-/// The touches of the pairs that a part closes: they need it, and nothing else that is unknown.
-fn closed(touches: &TouchSet, known: &[bool], part: &Part) -> TouchSet {
-    touches.filter(|pair| {
-        let mut joints = pair.chain.joints();
-        joints.clone().any(|joint| part.moves(joint)) && joints.all(|joint| known[joint] || part.moves(joint))
-    })
+/// Whether a part, of the joints that it moves, closes the touches of a pair: they need it, and nothing else that is unknown.
+fn closes(pair: &PairTouches, known: &[bool], moves: impl Fn(usize) -> bool) -> bool {
+    let mut joints = pair.chain.joints();
+    joints.clone().any(&moves) && joints.all(|joint| known[joint] || moves(joint))
+}
+
+fn set_of(pairs: Vec<&PairTouches>) -> TouchSet {
+    TouchSet { pairs: pairs.into_iter().cloned().collect() }
 }
 
 /// The pose that carries the first of each two places to the second with the least sum of squares (Kabsch
