@@ -434,7 +434,7 @@ impl MultiStart<'_> {
         rng: &mut ChaCha8Rng,
     ) -> Option<Part> {
         let tied = || touches.pairs.iter().filter(|pair| self.tied(pair, start));
-        let mut best: Option<((bool, f64), Vec<usize>, Vec<&PairTouches>)> = None;
+        let (mut best, mut least) = (None, (true, f64::INFINITY));
         let mut tried: BTreeSet<Vec<usize>> = failed.iter().cloned().collect();
         for pair in tied() {
             let joints = unknown_joints([pair], &start.known);
@@ -463,11 +463,12 @@ impl MultiStart<'_> {
             // Of parts as hard, the one with more touches.
             let hardness =
                 if is_poor { -(count as f64) / size.max(1.0) } else { size + variety - 3e-4 * count as f64 };
-            if best.as_ref().is_none_or(|(least, ..)| (is_poor, hardness) < *least) {
-                best = Some(((is_poor, hardness), joints, closed));
+            if (is_poor, hardness) < least {
+                least = (is_poor, hardness);
+                best = Some((joints, closed));
             }
         }
-        let (_, joints, closed) = best?;
+        let (joints, closed) = best?;
         if self.frames == LimbFrames::Limb {
             return Some(Part { joints, released: Vec::new(), touches: set_of(closed) });
         }
