@@ -14,7 +14,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::mem::discriminant;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::estimate::Fit;
@@ -111,13 +111,6 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// Of a cause that takes some of the squares of what is left by so many numbers.
-    fn linear(cause: Cause, share: f64, columns: usize, [equations, spare]: [f64; 2]) -> Option<Explanation> {
-        let (share, spare) = (share.clamp(0.0, 1.0 - 1e-12), spare - columns as f64);
-        let evidence = -0.5 * spare * (1.0 - share).ln() - 0.5 * columns as f64 * equations.max(2.0).ln();
-        (columns > 0 && spare > 1.0).then_some(Explanation { cause, evidence, share })
-    }
-
     /// Whether it is to be believed.
     pub fn stands_out(&self) -> bool {
         self.evidence > BELIEVED && self.share > WORTHWHILE
@@ -165,22 +158,22 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
             equations += 1.0;
         }
     }
-    let Some(factor) = selected(&total.hessian, &fitted, &fitted).cholesky() else { return Vec::new() };
-    let slope =
-        |places: &[usize]| DVector::from_iterator(places.len(), places.iter().map(|i| total.gradient[*i]));
+    let selected =
+        |rows: &[usize], columns: &[usize]| total.hessian.select_rows(rows).select_columns(columns);
+    let Some(factor) = selected(&fitted, &fitted).cholesky() else { return Vec::new() };
+    let slope = total.gradient.select_rows(&fitted);
     // What the fit would still take off.
-    let rest = factor.solve(&slope(&fitted));
-    squares -= slope(&fitted).dot(&rest);
+    let rest = factor.solve(&slope);
+    squares -= slope.dot(&rest);
     // What columns take off the sum of squares, and how many of them say anything of their own.
     let gain = |columns: &[usize]| {
-        let across = selected(&total.hessian, &fitted, columns);
-        let left = selected(&total.hessian, columns, columns) - across.tr_mul(&factor.solve(&across));
-        let slope = slope(columns) - across.tr_mul(&rest);
-        let own: Vec<usize> = (0..columns.len())
-            .filter(|k| left[(*k, *k)] > OWN * total.hessian[(columns[*k], columns[*k])])
-            .collect();
-        let told = Told::above(&selected(&left, &own, &own), OWN);
-        let slope = DVector::from_iterator(own.len(), own.iter().map(|k| slope[*k]));
+        let across = selected(&fitted, columns);
+        let left = selected(columns, columns) - across.tr_mul(&factor.solve(&across));
+        let own = |k: &usize| left[(*k, *k)] > OWN * total.hessian[(columns[*k], columns[*k])];
+        let own: Vec<usize> = (0..columns.len()).filter(own).collect();
+        let told = Told::above(&left.select_rows(&own).select_columns(&own), OWN);
+        let slope = total.gradient.select_rows(columns) - across.tr_mul(&rest);
+        let slope = slope.select_rows(&own);
         (slope.dot(&(&told.covariance * &slope)), own.len() - told.dependent.len())
     };
     let known = (0..robot.quantities.len()).map(|q| {
@@ -191,19 +184,16 @@ pub fn explanations(estimator: &Estimator, fit: &Fit) -> Vec<Explanation> {
         *next += columns.len();
         Some((columns[0].cause, (*next - columns.len()..*next).collect()))
     });
-    let left = [equations, equations - fitted.len() as f64];
     let looked = known.chain(further).filter_map(|(cause, columns): (Cause, Vec<usize>)| {
         let (gain, columns) = gain(&columns);
-        Explanation::linear(cause, gain / squares, columns, left)
+        let share = (gain / squares).clamp(0.0, 1.0 - 1e-12);
+        let spare = equations - (fitted.len() + columns) as f64;
+        let evidence = -0.5 * spare * (1.0 - share).ln() - 0.5 * columns as f64 * equations.max(2.0).ln();
+        (columns > 0 && spare > 1.0).then_some(Explanation { cause, evidence, share })
     });
     let mut found: Vec<Explanation> = looked.chain(dead_encoders(estimator, fit, &seen)).collect();
     found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     found
-}
-
-/// Some rows and columns of a matrix.
-fn selected(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
-    DMatrix::from_fn(rows.len(), columns.len(), |i, j| matrix[(rows[i], columns[j])])
 }
 
 /// A column beside those of the robot's parameters: that of one of them, by a factor that differs from touch to touch.

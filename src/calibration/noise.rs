@@ -95,17 +95,6 @@ impl Seen {
 }
 
 impl Noise {
-    /// So many groups of the same noise.
-    pub fn alike(groups: usize, deviation: f64) -> Noise {
-        Noise {
-            groups: vec![deviation; groups],
-            joint: 0.0,
-            false_share: 0.0,
-            widths: vec![1.0; groups],
-            dead: None,
-        }
-    }
-
     /// The variance of a residual of a group without what noisy encoders add, with what was given of it, m².
     pub fn variance(&self, group: usize, given: f64) -> f64 {
         (given + self.groups[group].powi(2)).max(FINEST * FINEST)

@@ -97,10 +97,6 @@ impl Question {
     }
 }
 
-/// What is asked of a fit by itself; the first is the one to begin with.
-const OF_FITS: [fn(&Estimator, &Fit) -> Option<Objection>; 7] =
-    [rows, control, outliers, signs, noise, prior, scale];
-
 /// All that speaks against a fit, and against what was held out.
 pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec<Objection> {
     use Question::{Control, HeldOut, Prior, Rows, Scale, Signs};
@@ -148,9 +144,10 @@ pub fn objections(estimator: &Estimator, fit: &Fit, judged: &[Judgement]) -> Vec
     found
 }
 
-/// What speaks against a fit by itself.
+/// What speaks against a fit by itself; the first question is the one to begin with.
 fn of_fit(estimator: &Estimator, fit: &Fit) -> Vec<Objection> {
-    OF_FITS.iter().filter_map(|asked| asked(estimator, fit)).collect()
+    let questions = [rows, control, outliers, signs, noise, prior, scale];
+    questions.iter().filter_map(|asked| asked(estimator, fit)).collect()
 }
 
 /// How many equations there are for how many unknowns, once touches that are taken for false are left out.

@@ -75,7 +75,14 @@ impl<'a> Estimator<'a> {
 
     /// Noise of one deviation in all touches, metres, and of encoders, radians.
     pub fn noise(&self, deviation: f64, joint: f64) -> Noise {
-        Noise { joint, ..Noise::alike(self.groups.count(), deviation) }
+        let groups = self.groups.count();
+        Noise {
+            groups: vec![deviation; groups],
+            joint,
+            false_share: 0.0,
+            widths: vec![1.0; groups],
+            dead: None,
+        }
     }
 
     /// What the touches look like at some values, in some noise; where it is not known who met whom, those that most likely did.
@@ -148,7 +155,7 @@ fn kind_of(robot: &Robot, touch: &Touch, ends: [usize; 2]) -> Kind {
 }
 
 /// All pairs of a touch's ends.
-fn pairs(touch: &Touch) -> impl Iterator<Item = [usize; 2]> {
+pub(super) fn pairs(touch: &Touch) -> impl Iterator<Item = [usize; 2]> {
     let [a, b] = touch.ends.each_ref().map(Vec::len);
     (0..a).flat_map(move |i| (0..b).map(move |j| [i, j]))
 }

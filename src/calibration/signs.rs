@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::estimate::Fit;
-use super::problem::Estimator;
+use super::problem::{Estimator, pairs};
 use super::robot::{DofQuantities, Knowledge, Posed, Value};
+use super::touch::Touch;
 use crate::creature::DofKind;
 
 /// Touches that signs are looked for by.
@@ -149,12 +150,10 @@ impl Estimator<'_> {
     /// How widely touches miss: the sum of the logarithms of their squares, which a few false ones do not rule.
     fn scatter(&self, values: &[Value], finest: f64) -> f64 {
         let step = self.touches.len().div_ceil(TOUCHES);
-        let of_touch = |touch: &super::touch::Touch| {
+        let of_touch = |touch: &Touch| {
             let posed = Posed::new(self.robot, values, &touch.posture);
-            let pairs = touch.ends[0]
-                .iter()
-                .flat_map(|a| touch.ends[1].iter().map(move |b| [&a.feature, &b.feature]));
-            let misses = pairs.map(|features| posed.miss(features, touch.distance).1.norm_squared());
+            let miss = |ends| posed.miss(touch.features(ends), touch.distance).1.norm_squared();
+            let misses = pairs(touch).map(miss);
             (misses.fold(f64::INFINITY, f64::min) + finest * finest).ln()
         };
         self.touches.iter().step_by(step.max(1)).map(of_touch).sum()

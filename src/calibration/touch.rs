@@ -141,16 +141,16 @@ impl Posed<'_> {
         let surface = match *feature {
             Feature::Point(_, p) => {
                 let pose = Frame { origin: frame.point(&p), ..Frame::identity() };
-                return Placed { pose, outline: Outline::Point, radius: None };
+                return Placed { pose, shape: Some(&POINT), radius: None };
             }
             Feature::Surface(surface) => &self.robot.surfaces[surface],
         };
-        let (outline, radius) = match &surface.form {
-            Form::Sphere(radius) => (Outline::Point, Some(*radius)),
-            Form::Plane => (Outline::Plane, None),
-            Form::Solid(shape) => (Outline::Solid(shape), None),
+        let (shape, radius) = match &surface.form {
+            Form::Sphere(radius) => (Some(&POINT), Some(*radius)),
+            Form::Plane => (None, None),
+            Form::Solid(shape) => (Some(shape), None),
         };
-        Placed { pose: *frame * surface.pose, outline, radius }
+        Placed { pose: *frame * surface.pose, shape, radius }
     }
 }
 
@@ -178,47 +178,29 @@ impl Meeting {
 /// A feature in the common frame. Spheres count as their centres: their radii, quantities, are taken off the gap.
 struct Placed<'a> {
     pose: Frame,
-    outline: Outline<'a>,
+    /// `None` of a plane.
+    shape: Option<&'a Shape>,
     radius: Option<usize>,
 }
 
-#[derive(Clone, Copy)]
-enum Outline<'a> {
-    Point,
-    Plane,
-    Solid(&'a Shape),
-}
-
-impl Placed<'_> {
-    /// Its farthest point in a direction; of a plane, which has none, where it begins.
-    fn support(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let Outline::Solid(shape) = self.outline else { return self.pose.origin };
-        let local = shape.support(&self.pose.rotation.tr_mul(direction));
-        local.map_or(self.pose.origin, |local| self.pose.point(&local))
-    }
-}
+/// What a point is, and a sphere but for its radius.
+const POINT: Shape = Shape::Sphere { radius: 0.0 };
 
 /// The gap between two features of which one at least is a surface.
 fn gap_between(a: &Placed, b: &Placed) -> Gap {
-    match (a.outline, b.outline) {
-        (_, Outline::Plane) => {
-            let normal: Vector3<f64> = b.pose.rotation.column(2).into();
-            let lowest = a.support(&-normal);
-            let distance = normal.dot(&(lowest - b.pose.origin));
-            Gap { distance, normal, points: [lowest, lowest - normal * distance] }
-        }
-        (Outline::Plane, _) => gap_between(b, a).reversed(),
-        _ => {
-            let point = Shape::Sphere { radius: 0.0 };
-            let shapes = [a, b].map(|placed| match placed.outline {
-                Outline::Solid(shape) => (shape, placed.pose),
-                _ => (&point, Frame { origin: placed.pose.origin, ..Frame::identity() }),
-            });
-            match shapes.map(|(shape, at)| PlacedShape::new(shape, Frame::identity(), at)) {
-                [Some(a), Some(b)] => gap(&a, &b, Precision::Exact),
-                // A mesh without a hull is nowhere: those who read robots refuse it.
-                _ => Gap { distance: 0.0, normal: Vector3::z(), points: shapes.map(|(_, at)| at.origin) },
-            }
-        }
+    let Some(shape) = b.shape else {
+        let normal: Vector3<f64> = b.pose.rotation.column(2).into();
+        // Of a plane, which has no farthest point, where it begins.
+        let lowest = a.shape.and_then(|shape| shape.support(&a.pose.rotation.tr_mul(&-normal)));
+        let lowest = lowest.map_or(a.pose.origin, |lowest| a.pose.point(&lowest));
+        let distance = normal.dot(&(lowest - b.pose.origin));
+        return Gap { distance, normal, points: [lowest, lowest - normal * distance] };
+    };
+    let Some(other) = a.shape else { return gap_between(b, a).reversed() };
+    let placed = [(other, a.pose), (shape, b.pose)];
+    match placed.map(|(shape, at)| PlacedShape::new(shape, Frame::identity(), at)) {
+        [Some(a), Some(b)] => gap(&a, &b, Precision::Exact),
+        // A mesh without a hull is nowhere: those who read robots refuse it.
+        _ => Gap { distance: 0.0, normal: Vector3::z(), points: placed.map(|(_, at)| at.origin) },
     }
 }

@@ -11,7 +11,7 @@ use crate::deadline::Deadline;
 use crate::learning::Parameters;
 use crate::learning::least_squares::{FIRST_DAMPING, Stopping, damped_from};
 use crate::learning::observation::PointsMeet;
-use crate::learning::prior::PriorTerm;
+use crate::learning::prior::Prior;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{TouchProblem, TouchSet};
 use crate::schema::BodySchema;
@@ -127,7 +127,7 @@ pub fn meet(
     creature: &Creature,
     touches: &TouchSet,
     parameters: &Parameters,
-    prior: &dyn PriorTerm,
+    prior: &Prior,
     start: BodySchema,
     (fits, deadline): (usize, Deadline),
 ) -> BodySchema {
@@ -155,7 +155,7 @@ pub fn anneal(
     agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
-    prior: &dyn PriorTerm,
+    prior: &Prior,
     start: BodySchema,
 ) -> Annealed {
     let AnnealingLimits { widest, narrowest, deadline, exact } = limits;

@@ -124,20 +124,15 @@ impl Hersch {
     /// The links that carry a point of limb `from` into the frame of limb `to`, the last applied first.
     fn links(&self, posture: &[f64], from: usize, to: usize) -> Vec<HerschLink> {
         let chain = Chain::between(self.agent.creature(), from, to);
-        let mut links = Vec::new();
+        let of = |side: usize, sign: f64| {
+            chain.sides[side].iter().flat_map(move |&joint| self.joint_links(posture, joint, sign))
+        };
         // Down to `to`: R⁻¹∘T⁻¹ per joint, the joint nearest to `to` outermost.
-        for &joint in chain.sides[1].iter().rev() {
-            let mut down = self.joint_links(posture, joint, -1.0);
-            down.reverse();
-            links.extend(down);
-        }
-        for &joint in &chain.sides[0] {
-            links.extend(self.joint_links(posture, joint, 1.0));
-        }
-        links
+        let down: Vec<HerschLink> = of(1, -1.0).collect();
+        down.into_iter().rev().chain(of(0, 1.0)).collect()
     }
 
-    /// `T∘R_1∘…∘R_k` of a joint; with `sign` −1 each part is inverted, and the caller reverses them.
+    /// `T∘R_1∘…∘R_k` of a joint; with `sign` −1 each part is inverted, and the caller reverses their order.
     fn joint_links(&self, posture: &[f64], joint: usize, sign: f64) -> Vec<HerschLink> {
         let info = &self.agent.creature().joints()[joint];
         let mut links = vec![HerschLink::Shift { joint, sign }];

@@ -10,9 +10,7 @@ mod curvature;
 mod growing;
 pub mod growth;
 mod hersch;
-mod in_unit;
 pub mod initial_guess;
-mod known;
 pub mod learners;
 pub mod least_squares;
 mod length_unit;
@@ -35,15 +33,15 @@ pub use account::{Account, LimbLine, Openness, PLACED, Witnesses};
 pub use certainty::{Basis, Certainty};
 pub use growth::Grower;
 pub use hersch::{Hersch, STEP};
-pub use in_unit::LearnerInUnit;
-pub use known::{KnownJoint, LEAST_DEVIATION, PriorKnowledge};
-pub use length_unit::LengthUnit;
+pub use length_unit::{LearnerInUnit, LengthUnit};
 pub use observation::{LimbFrames, SkinKnowledge};
 pub use online::{BodyChange, Expectation, Online, Tool, What};
 pub use parameters::{AxisModel, Parameters};
 pub use placement::Z95;
-pub use prior::{Prior, PriorTerm};
+pub use prior::{KnownJoint, LEAST_DEVIATION, Prior, PriorKnowledge};
 pub use second_order::SecondOrder;
+
+use std::borrow::Cow;
 
 use crate::agent::Agent;
 use crate::creature::Creature;
@@ -65,12 +63,12 @@ pub trait Learner {
         None
     }
     /// The schema as it stands after the last touch; none where there is none without [`Learner::learn`].
-    fn schema(&self) -> Option<&BodySchema> {
+    fn schema(&self) -> Option<Cow<'_, BodySchema>> {
         None
     }
     /// What was believed on the way, after so many touches each, where the learner keeps it.
-    fn way(&self) -> &[(usize, BodySchema)] {
-        &[]
+    fn way(&self) -> Vec<(usize, BodySchema)> {
+        Vec::new()
     }
 }
 

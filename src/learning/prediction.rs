@@ -128,11 +128,15 @@ pub fn covariance(
 /// The covariance that normal equations (lower triangle) leave of parameters; none where rounding makes it
 /// unusable.
 pub fn information_inverse(mut information: DMatrix<f64>, parameters: &Parameters) -> Option<DMatrix<f64>> {
-    // No axis is less certain than a radian.
-    for offset in parameters.axes.iter().flatten() {
-        (0..2).for_each(|i| information[(offset + i, offset + i)] += 1.0);
-    }
+    doubt_axes(&mut information, parameters, 0);
     invert(information)
+}
+
+/// Adds to information, in which the parameters begin at a place, that no axis is less certain than a radian.
+pub fn doubt_axes(information: &mut DMatrix<f64>, parameters: &Parameters, first: usize) {
+    for place in parameters.axes.iter().flatten().map(|offset| first + offset) {
+        (0..2).for_each(|i| information[(place + i, place + i)] += 1.0);
+    }
 }
 
 /// The inverse of a positive definite matrix given by its lower triangle, scaled to a unit diagonal on the

@@ -1,9 +1,10 @@
-//! What is believed of a body before, or besides, its touches.
+//! What is believed of a body before, or besides, its touches, and what a user knows of it already.
 //!
-//! A prior is a Gaussian about a schema, independent for every position and axis. A weak one keeps joints
-//! that few touches involve within the size of a body; a calibrated one carries what a user knows.
+//! A prior is a Gaussian about a schema, independent for every position and axis but for what touches from before determine of
+//! several together. A weak one keeps joints that few touches involve within the size of a body; a calibrated one carries what
+//! a user knows.
 
-use nalgebra::{DMatrix, Vector2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -15,7 +16,14 @@ use crate::learning::least_squares::Linearization;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
-/// Independent Gaussians about the positions and axes of a schema.
+/// How far from a limb's skin the joints on it may be, in units of the skin's own extent. Wide: it keeps
+/// joints that few touches involve from running away, and weighs nothing against touches.
+const SPREAD: f64 = 0.7;
+/// The least deviation that a prior can have, metres and radians: as sharp as the sharpest touch. Who knows
+/// better knows exactly.
+pub const LEAST_DEVIATION: f64 = 1e-6;
+
+/// Gaussians about the positions and axes of a schema.
 #[derive(Clone, Debug)]
 pub struct Prior {
     /// The means.
@@ -25,6 +33,8 @@ pub struct Prior {
     /// Standard deviation of each coordinate of an axis across its direction, radians; infinite where
     /// nothing is known.
     pub axis_deviations: Vec<f64>,
+    /// What else is known, of parameters together: what touches from before determine.
+    pub correlated: Option<CorrelatedPrior>,
 }
 
 impl Prior {
@@ -34,6 +44,7 @@ impl Prior {
             mean: BodySchema::zero(creature),
             position_deviations: vec![Vector3::repeat(size); creature.joints().len()],
             axis_deviations: vec![f64::INFINITY; creature.dof_elements()],
+            correlated: None,
         }
     }
 
@@ -88,76 +99,208 @@ impl Prior {
 
     /// Adds the prior's information, the inverse of its covariance, to that of touches (lower triangle).
     pub fn add_information(&self, parameters: &Parameters, information: &mut DMatrix<f64>) {
-        for (offset, deviation) in parameters.positions.iter().zip(&self.position_deviations) {
-            let Some(offset) = *offset else { continue };
-            (0..3).for_each(|i| information[(offset + i, offset + i)] += deviation[i].powi(-2));
-        }
-        for (offset, deviation) in parameters.axes.iter().zip(&self.axis_deviations) {
-            let Some(offset) = *offset else { continue };
-            let size = parameters.axis_size();
-            (offset..offset + size).for_each(|i| information[(i, i)] += deviation.powi(-2));
+        for Term { place, size, weight, .. } in self.terms(parameters, &self.mean) {
+            (0..size).for_each(|i| information[(place + i, place + i)] += weight[i]);
         }
     }
 
-    fn position_misses<'a>(
-        &'a self,
-        schema: &'a BodySchema,
-    ) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + 'a {
-        let misses = schema.positions.iter().zip(&self.mean.positions).map(|(now, mean)| now - mean);
-        misses.zip(self.position_deviations.iter().map(|deviation| deviation.map(|d| d.powi(-2))))
+    /// `½ Σ (difference / deviation)²` over free parameters.
+    pub fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
+        let terms = self.terms(parameters, schema);
+        let squares: f64 = terms.map(|term| term.weight.dot(&term.miss.component_mul(&term.miss))).sum();
+        0.5 * squares + self.correlated.as_ref().map_or(0.0, |known| known.cost(schema))
     }
 
-    fn axis_misses<'a>(&'a self, schema: &'a BodySchema) -> impl Iterator<Item = (Vector3<f64>, f64)> + 'a {
-        let misses = schema.axes.iter().zip(&self.mean.axes).map(|(now, mean)| now - mean);
-        misses.zip(self.axis_deviations.iter().map(|deviation| deviation.powi(-2)))
-    }
-}
-
-/// What a least-squares problem knows besides its touches.
-pub trait PriorTerm {
-    /// Its cost at a schema, over free parameters.
-    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64;
     /// Adds it to normal equations, its cost included.
-    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization);
-}
-
-impl PriorTerm for Prior {
-    /// `½ Σ (difference / deviation)²`.
-    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
-        let free = |offset: &Option<usize>| offset.is_some();
-        let misses = self.position_misses(schema).zip(&parameters.positions);
-        let positions = misses
-            .filter(|(_, offset)| free(offset))
-            .map(|((miss, weight), _)| weight.dot(&miss.component_mul(&miss)));
-        let misses = self.axis_misses(schema).zip(&parameters.axes);
-        let axes =
-            misses.filter(|(_, offset)| free(offset)).map(|((miss, weight), _)| weight * miss.norm_squared());
-        0.5 * (positions.sum::<f64>() + axes.sum::<f64>())
+    pub fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
+        model.cost += self.cost(parameters, schema);
+        for Term { place, size, weight, slope, .. } in self.terms(parameters, schema) {
+            for i in 0..size {
+                model.hessian[(place + i, place + i)] += weight[i];
+                model.scale[place + i] += weight[i];
+                model.gradient[place + i] += weight[i] * slope[i];
+            }
+        }
+        if let Some(known) = &self.correlated {
+            known.add(parameters, schema, model);
+        }
     }
 
-    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        model.cost += self.cost(parameters, schema);
-        for ((miss, weight), offset) in self.position_misses(schema).zip(&parameters.positions) {
-            let Some(offset) = *offset else { continue };
-            for i in 0..3 {
-                model.hessian[(offset + i, offset + i)] += weight[i];
-                model.scale[offset + i] += weight[i];
-                model.gradient[offset + i] += weight[i] * miss[i];
-            }
-        }
-        for (k, ((miss, weight), offset)) in self.axis_misses(schema).zip(&parameters.axes).enumerate() {
-            let Some(offset) = *offset else { continue };
-            let slope: Vec<f64> = match parameters.axis_model {
-                AxisModel::Relaxed => miss.iter().copied().collect(),
-                AxisModel::Unit => {
-                    (tangent_basis(&schema.axes[k]).transpose() * miss).iter().copied().collect()
-                }
+    /// The positions and axes among parameters, and how far they are from the mean in a schema.
+    fn terms(&self, parameters: &Parameters, schema: &BodySchema) -> impl Iterator<Item = Term> {
+        let positions = parameters.positions.iter().enumerate().filter_map(|(joint, offset)| {
+            let place = (*offset)?;
+            let miss = schema.positions[joint] - self.mean.positions[joint];
+            let weight = self.position_deviations[joint].map(|deviation| deviation.powi(-2));
+            Some(Term { place, size: 3, miss, weight, slope: miss })
+        });
+        let axes = parameters.axes.iter().enumerate().filter_map(move |(dof, offset)| {
+            let place = (*offset)?;
+            let miss = schema.axes[dof] - self.mean.axes[dof];
+            let slope = match parameters.axis_model {
+                AxisModel::Relaxed => miss,
+                AxisModel::Unit => (tangent_basis(&schema.axes[dof]).transpose() * miss).push(0.0),
             };
-            for (i, slope) in slope.into_iter().enumerate() {
-                model.hessian[(offset + i, offset + i)] += weight;
-                model.scale[offset + i] += weight;
-                model.gradient[offset + i] += weight * slope;
+            let weight = Vector3::repeat(self.axis_deviations[dof].powi(-2));
+            Some(Term { place, size: parameters.axis_size(), miss, weight, slope })
+        });
+        positions.chain(axes)
+    }
+}
+
+/// A position or an axis under a prior.
+struct Term {
+    /// Where its parameters begin, and how many they are.
+    place: usize,
+    size: usize,
+    /// How far it is from the mean, and the inverse variance of each coordinate.
+    miss: Vector3<f64>,
+    weight: Vector3<f64>,
+    /// The same distance in its parameters.
+    slope: Vector3<f64>,
+}
+
+/// A Gaussian about a schema with a full information matrix over some of its parameters.
+#[derive(Clone, Debug)]
+pub struct CorrelatedPrior {
+    /// The mean.
+    pub mean: BodySchema,
+    /// The parameters that it is about; axes are unit axes.
+    pub parameters: Parameters,
+    /// The inverse of the covariance, symmetric.
+    pub information: DMatrix<f64>,
+    /// The variance of each parameter.
+    pub variances: DVector<f64>,
+}
+
+impl CorrelatedPrior {
+    /// How far a schema is from the mean, in the parameters about the mean.
+    pub fn difference(&self, schema: &BodySchema) -> DVector<f64> {
+        let mut difference = DVector::zeros(self.parameters.len());
+        for (joint, offset) in self.parameters.positions.iter().enumerate() {
+            if let Some(offset) = *offset {
+                let miss = schema.positions[joint] - self.mean.positions[joint];
+                difference.fixed_rows_mut::<3>(offset).copy_from(&miss);
             }
         }
+        for (axis, offset) in self.parameters.axes.iter().enumerate() {
+            if let Some(offset) = *offset {
+                let basis = tangent_basis(&self.mean.axes[axis]);
+                let miss = basis.transpose() * (schema.axes[axis] - self.mean.axes[axis]);
+                difference.fixed_rows_mut::<2>(offset).copy_from(&miss);
+            }
+        }
+        difference
+    }
+
+    /// `½ dᵀ Λ d` of the difference from the mean.
+    fn cost(&self, schema: &BodySchema) -> f64 {
+        let difference = self.difference(schema);
+        0.5 * difference.dot(&(&self.information * &difference))
+    }
+
+    /// Adds it to normal equations, but for its cost.
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
+        let mut pull = &self.information * self.difference(schema);
+        let mut information = self.information.clone();
+        // The present basis of an axis may not be the one about the mean.
+        for (axis, offset) in self.parameters.axes.iter().enumerate() {
+            let Some(offset) = offset.filter(|_| parameters.axes[axis].is_some()) else { continue };
+            let turn = between_bases(schema, &self.mean, axis);
+            if (turn - Matrix2::identity()).norm_squared() > 1e-24 {
+                let slope = turn.transpose() * pull.fixed_rows::<2>(offset);
+                pull.fixed_rows_mut::<2>(offset).copy_from(&slope);
+                let rows = turn.transpose() * information.fixed_rows::<2>(offset);
+                information.fixed_rows_mut::<2>(offset).copy_from(&rows);
+                let columns = information.fixed_columns::<2>(offset) * turn;
+                information.fixed_columns_mut::<2>(offset).copy_from(&columns);
+            }
+        }
+        // What is not among the parameters is held at its mean.
+        let places = self.parameters.places_in(parameters);
+        for &(from, to) in &places {
+            model.gradient[to] += pull[from];
+            model.scale[to] += 1.0 / self.variances[from];
+            for &(other_from, other_to) in &places {
+                model.hessian[(other_to, to)] += information[(other_from, from)];
+            }
+        }
+    }
+}
+
+/// `∂(coordinates about the second schema) / ∂(coordinates about the first)` of an axis.
+pub(super) fn between_bases(first: &BodySchema, second: &BodySchema, axis: usize) -> Matrix2<f64> {
+    tangent_basis(&second.axes[axis]).transpose() * tangent_basis(&first.axes[axis])
+}
+
+/// What is known of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownJoint {
+    /// The joint, by its index.
+    pub joint: usize,
+    /// Whether its position and all its axes are known exactly: it is not learned at all.
+    pub exact: bool,
+    /// Its position `l_P` in the parent limb's frame and the standard deviation of each coordinate (infinite
+    /// where nothing is known of it, of no account where exact), metres.
+    pub position: Option<[Vector3<f64>; 2]>,
+    /// Degrees of freedom by their index, the unit axis `a_P`, and its standard deviation in each of the two
+    /// directions across it, radians.
+    pub axes: Vec<(usize, Vector3<f64>, f64)>,
+}
+
+impl KnownJoint {
+    /// The same of a body with all lengths so many times as long.
+    pub fn scaled(&self, by: f64) -> KnownJoint {
+        KnownJoint { position: self.position.map(|known| known.map(|of| by * of)), ..self.clone() }
+    }
+}
+
+/// Joints that are known before the first touch: some exactly, some nearly, most not at all.
+#[derive(Clone, Debug)]
+pub struct PriorKnowledge {
+    /// Positions and axes with their deviations, given or guessed from where the skin is.
+    pub prior: Prior,
+    /// The same without what is guessed: what counts as evidence beside the touches.
+    pub given: Prior,
+    /// Per joint, whether it keeps the prior's mean.
+    pub frozen: Vec<bool>,
+}
+
+impl PriorKnowledge {
+    /// Nothing but where the skin is.
+    pub fn nothing(agent: &Agent) -> PriorKnowledge {
+        PriorKnowledge {
+            prior: Prior::skin(agent, SPREAD),
+            given: Prior::size(agent.creature(), f64::INFINITY),
+            frozen: vec![false; agent.creature().joints().len()],
+        }
+    }
+
+    /// Adds what is known of joints.
+    pub fn with(mut self, joints: &[KnownJoint]) -> PriorKnowledge {
+        for known in joints {
+            self.frozen[known.joint] = known.exact;
+            for prior in [&mut self.prior, &mut self.given] {
+                if let Some([mean, deviation]) = known.position {
+                    for i in (0..3).filter(|&i| deviation[i].is_finite()) {
+                        prior.mean.positions[known.joint][i] = mean[i];
+                        prior.position_deviations[known.joint][i] = deviation[i].max(LEAST_DEVIATION);
+                    }
+                }
+                for (dof, mean, deviation) in &known.axes {
+                    prior.mean.axes[*dof] = *mean;
+                    prior.axis_deviations[*dof] = deviation.max(LEAST_DEVIATION);
+                }
+            }
+        }
+        self
+    }
+
+    /// Whether anything was given.
+    pub fn is_given(&self) -> bool {
+        let finite = |deviation: f64| deviation.is_finite();
+        self.frozen.contains(&true)
+            || self.given.position_deviations.iter().flatten().any(|&deviation| finite(deviation))
+            || self.given.axis_deviations.iter().any(|&deviation| finite(deviation))
     }
 }

@@ -10,7 +10,7 @@ use crate::geometry::{Frame, Gap, tangent_basis};
 use crate::kinematics::{Chain, ChainSide, SideJacobian};
 use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use crate::learning::observation::{Observation, ObservationModel, PointsMeet, TouchResiduals};
-use crate::learning::prior::PriorTerm;
+use crate::learning::prior::Prior;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -240,7 +240,7 @@ pub struct TouchProblem<'a, M: ObservationModel> {
     touches: &'a TouchSet,
     parameters: &'a Parameters,
     model: M,
-    prior: Option<&'a dyn PriorTerm>,
+    prior: Option<&'a Prior>,
     columns: Vec<ChainColumns>,
     /// Per touch, in the order of the set, what the last linearization fixed.
     fixed: Vec<M::Fixed>,
@@ -269,7 +269,7 @@ impl<'a, M: ObservationModel> TouchProblem<'a, M> {
     }
 
     /// Adds what is believed besides the touches.
-    pub fn with_prior(mut self, prior: &'a dyn PriorTerm) -> TouchProblem<'a, M> {
+    pub fn with_prior(mut self, prior: &'a Prior) -> TouchProblem<'a, M> {
         self.prior = Some(prior);
         self
     }

@@ -92,10 +92,11 @@ pub fn learn_session(
         }
         if last {
             for (touches, schema) in learner.way() {
-                table.add(*touches, Some(schema), None, None);
+                table.add(touches, Some(&schema), None, None);
             }
         }
-        let schema = learned.as_ref().map(|learned| &learned.schema).or(learner.schema());
+        let believed = learner.schema();
+        let schema = learned.as_ref().map(|learned| &learned.schema).or(believed.as_deref());
         let (expected, shown) = (learner.expectation(), due || last);
         observer.learned(&LearningStep {
             touches: n + 1,

@@ -235,6 +235,7 @@ impl LearningOptions {
             skin: self.skin,
             frames: self.frames,
             known: self.known_joints.clone(),
+            grown: None,
         }
     }
 
@@ -338,12 +339,10 @@ impl LearningOptions {
 
     /// The same that goes on from what was learned while the touches were made, where the learner is one that can.
     pub fn learner_from(&self, agent: &Agent, grown: Option<&Growth>, seed: u64) -> Box<dyn Learner> {
-        let given = self.givens();
+        let given = LearnerGivens { grown: grown.cloned(), ..self.givens() };
         LearnerInUnit::of(agent, |agent, unit| {
-            let known = given.known.iter().map(|known| unit.known(known)).collect();
-            let given = LearnerGivens { known, ..given };
-            let goes_on = grown.and_then(|grown| self.kind().goes_on(agent, &given, grown, seed));
-            goes_on.unwrap_or_else(|| self.kind().learner(agent, &given, seed))
+            let known = given.known.iter().map(|known| known.scaled(1.0 / unit.metres())).collect();
+            self.kind().learner(agent, &LearnerGivens { known, ..given }, seed)
         })
     }
 

@@ -3,16 +3,15 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::{GrownTouch, Growth};
-use crate::learning::Parameters;
 use crate::learning::annealing::{AnnealingLimits, NARROWEST, anneal};
 use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::observation::PointsMeet;
 use crate::learning::online::fit_again;
 use crate::learning::prediction::{GapRow, add_row};
-use crate::learning::prior::PriorTerm;
 use crate::learning::scrutiny::CLOSED;
 use crate::learning::surface_gap::{SHARPEST, SurfaceGap};
 use crate::learning::touch_set::{TouchProblem, TouchSet};
+use crate::learning::{Parameters, Prior};
 use crate::schema::BodySchema;
 use crate::senses::Input;
 
@@ -68,7 +67,7 @@ impl Growth {
         [widest, narrowest]: [f64; 2],
         touches: &TouchSet,
         parameters: &Parameters,
-        prior: &dyn PriorTerm,
+        prior: &Prior,
         schema: BodySchema,
     ) -> BodySchema {
         if !self.by_points() {

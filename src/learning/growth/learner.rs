@@ -1,5 +1,7 @@
 //! The learner that grows a body part by part from all its touches.
 
+use std::borrow::Cow;
+
 use super::Growth;
 use crate::agent::Agent;
 use crate::deadline::Deadline;
@@ -137,11 +139,11 @@ impl Learner for Grower {
         }
     }
 
-    fn schema(&self) -> Option<&BodySchema> {
-        self.growth.schema()
+    fn schema(&self) -> Option<Cow<'_, BodySchema>> {
+        self.growth.schema().map(Cow::Borrowed)
     }
 
-    fn way(&self) -> &[(usize, BodySchema)] {
-        self.growth.way()
+    fn way(&self) -> Vec<(usize, BodySchema)> {
+        self.growth.way().to_vec()
     }
 }

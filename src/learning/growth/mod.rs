@@ -5,7 +5,7 @@
 //! theirs (Bernstein, "The Co-ordination and Regulation of Movements", 1967): a part of few joints first, from random
 //! initial guesses; then, touch by touch, the parts next to what is known. Where all moves and there is not too much to be
 //! learned, it is learned at once (`at_once`). What is known is never frozen: it enters as
-//! a Gaussian with its full covariance ([`Anchor`]), of which the initial guesses of what is new are drawn, too.
+//! a Gaussian with its full covariance ([`Belief`]), of which the initial guesses of what is new are drawn, too.
 //!
 //! A part is accepted when the surfaces of its touches meet, within the patches that felt them and on their outside;
 //! when every touch that it rests on is checked by others (Baarda's reliability, "A Testing Procedure for Use in
@@ -39,8 +39,6 @@ use crate::agent::Agent;
 use crate::creature::{Creature, DofKind};
 use crate::deadline::Deadline;
 use crate::learning::initial_guess::random_guess;
-#[cfg(doc)]
-use crate::learning::online::Anchor;
 use crate::learning::online::Belief;
 use crate::learning::scrutiny::{Scrutiny, ToldTouch};
 use crate::learning::touch_set::{LimbTouch, TouchSet};

@@ -10,10 +10,8 @@ use crate::deadline::in_parallel;
 use crate::learning::annealing::{HOPELESS, POINT_FITS, WIDEST, meet, usual_miss};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::least_squares::Linearization;
-use crate::learning::online::Anchor;
 use crate::learning::open_gaps::MOST_FALSE;
 use crate::learning::prediction::invert;
-use crate::learning::prior::PriorTerm;
 use crate::learning::scrutiny::{CLOSED, Member, SHARP, Testimony};
 use crate::learning::touch_set::TouchSet;
 use crate::learning::{AxisModel, Parameters, Prior};
@@ -83,25 +81,6 @@ impl Solved {
     }
 }
 
-/// What is believed besides the touches: little of what is new, much of what is known.
-struct Beliefs<'a> {
-    new: &'a Prior,
-    known: Option<&'a Anchor>,
-}
-
-impl PriorTerm for Beliefs<'_> {
-    fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
-        self.new.cost(parameters, schema) + self.known.map_or(0.0, |known| known.cost(parameters, schema))
-    }
-
-    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        self.new.add(parameters, schema, model);
-        if let Some(known) = self.known {
-            known.add(parameters, schema, model);
-        }
-    }
-}
-
 /// The problem of one part.
 pub(super) struct PartProblem<'a> {
     pub part: &'a Part,
@@ -115,8 +94,8 @@ pub(super) struct PartProblem<'a> {
     /// Axes of the part, relaxed; and all that is free, with unit axes.
     relaxed: Parameters,
     pub unit: Parameters,
-    new: Prior,
-    known: Option<Anchor>,
+    /// What is believed besides the touches: little of what is new, much of what is known.
+    prior: Prior,
     /// What is known, and the lower Cholesky factor of its covariance.
     spread: Option<(Parameters, DMatrix<f64>)>,
     /// What starts begin with.
@@ -124,14 +103,10 @@ pub(super) struct PartProblem<'a> {
 }
 
 impl PartProblem<'_> {
-    fn beliefs(&self) -> Beliefs<'_> {
-        Beliefs { new: &self.new, known: self.known.as_ref() }
-    }
-
     /// What is believed besides the touches of it, as information over its parameters with unit axes.
     pub fn information(&self, schema: &BodySchema) -> DMatrix<f64> {
         let mut model = Linearization::nothing(self.unit.len());
-        self.beliefs().add(&self.unit, schema, &mut model);
+        self.prior.add(&self.unit, schema, &mut model);
         model.hessian
     }
 }
@@ -226,16 +201,16 @@ impl Growth {
         let mut prior = self.known.prior.clone();
         let known_positions = (0..joints.len()).filter(|&joint| position(joint).is_some());
         known_positions.for_each(|joint| prior.position_deviations[joint].fill(f64::INFINITY));
-        let known = belief.and_then(|belief| {
+        prior.correlated = belief.and_then(|belief| {
             let parameters = Parameters::of(
                 creature,
                 AxisModel::Unit,
                 |joint| free[joint] && position(joint).is_some(),
                 |joint, dof| !new(&joint) && free_axis(joint, dof) && axis(dof).is_some(),
             );
-            Anchor::of(belief, parameters)
+            belief.marginal(parameters)
         });
-        let spread = known.as_ref().and_then(|known| {
+        let spread = prior.correlated.as_ref().and_then(|known| {
             let lower = invert(known.information.clone())?.cholesky()?.l();
             Some((known.parameters.clone(), lower))
         });
@@ -253,8 +228,7 @@ impl Growth {
             unit: Parameters::of(creature, AxisModel::Unit, |joint| free[joint], free_axis),
             between,
             free,
-            new: prior,
-            known,
+            prior,
             spread,
             base: self.believed(),
         })
@@ -282,9 +256,8 @@ impl Growth {
     ) -> Solved {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
-        let beliefs = problem.beliefs();
         let meet = |parameters: &Parameters, schema: BodySchema, fits: usize| {
-            meet(creature, touches, parameters, &beliefs, schema, (fits, self.deadline))
+            meet(creature, touches, parameters, &problem.prior, schema, (fits, self.deadline))
         };
         schema = meet(relaxed, schema, POINT_FITS);
         schema.normalize_axes(creature);
@@ -298,8 +271,7 @@ impl Growth {
 
     /// The answer that is nearest to one for fewer touches.
     pub(super) fn gone_on(&self, problem: &PartProblem, from: BodySchema) -> Solved {
-        let beliefs = problem.beliefs();
-        let schema = self.closest([WIDEST, SHARP], &problem.touches, &problem.unit, &beliefs, from);
+        let schema = self.closest([WIDEST, SHARP], &problem.touches, &problem.unit, &problem.prior, from);
         self.without_open(problem, schema)
     }
 
@@ -308,12 +280,11 @@ impl Growth {
     fn closed(&self, problem: &PartProblem, mut schema: BodySchema, number: usize) -> Solved {
         let creature = self.agent.creature();
         let PartProblem { touches, relaxed, unit, .. } = problem;
-        let beliefs = problem.beliefs();
         let widest = FIRST_GAPS[number / RELAXED_GAPS.len() % FIRST_GAPS.len()];
         let narrowest = RELAXED_GAPS[number % RELAXED_GAPS.len()].min(widest);
-        schema = self.closest([widest, narrowest], touches, relaxed, &beliefs, schema);
+        schema = self.closest([widest, narrowest], touches, relaxed, &problem.prior, schema);
         schema.normalize_axes(creature);
-        schema = self.closest([widest, SHARP], touches, unit, &beliefs, schema);
+        schema = self.closest([widest, SHARP], touches, unit, &problem.prior, schema);
         self.without_open(problem, schema)
     }
 
@@ -321,7 +292,6 @@ impl Growth {
     /// right where a joint is not.
     fn without_open(&self, problem: &PartProblem, mut schema: BodySchema) -> Solved {
         let first = self.belief.is_none();
-        let beliefs = problem.beliefs();
         let unit = &problem.unit;
         let all = problem.solved_by.len() as f64;
         let mut numbers = problem.solved_by.clone();
@@ -350,7 +320,7 @@ impl Growth {
             given_up.push(worst);
             numbers.retain(|&number| !self.touches[number].told.tells_of(worst));
             let touches = self.set(numbers.iter().map(|&number| &self.touches[number]));
-            schema = self.closest([WIDEST, SHARP], &touches, unit, &beliefs, schema);
+            schema = self.closest([WIDEST, SHARP], &touches, unit, &problem.prior, schema);
         }
     }
 
@@ -376,10 +346,10 @@ impl Growth {
         }
         let mut standard = || -> f64 { StandardNormal.sample(rng) };
         for joint in (0..problem.free.len()).filter(|&joint| problem.free[joint]) {
-            let deviation = problem.new.position_deviations[joint];
+            let deviation = problem.prior.position_deviations[joint];
             if deviation.iter().all(|deviation| deviation.is_finite()) {
                 let shift = Vector3::from_fn(|i, _| deviation[i] * standard());
-                guess.positions[joint] = problem.new.mean.positions[joint] + shift;
+                guess.positions[joint] = problem.prior.mean.positions[joint] + shift;
             }
         }
         if let Some((parameters, lower)) = &problem.spread {
@@ -407,7 +377,9 @@ impl Growth {
     /// What follows for all that is believed from what an answer says of some of it: a Gaussian's conditional mean. What its touches
     /// tell of stays as it was solved, also what was held: they would open.
     pub(super) fn carried(&self, problem: &PartProblem, schema: &BodySchema) -> BodySchema {
-        let (Some(belief), Some(known)) = (&self.belief, &problem.known) else { return schema.clone() };
+        let (Some(belief), Some(known)) = (&self.belief, &problem.prior.correlated) else {
+            return schema.clone();
+        };
         let places = known.parameters.places_in(&belief.parameters);
         let pull = &known.information * known.difference(schema);
         let mut step = DVector::zeros(belief.parameters.len());

@@ -23,16 +23,7 @@ impl LearnerKind for PartByPart {
     }
 
     fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner> {
-        Box::new(Grower::new(agent, seed).with_input(given.input))
-    }
-
-    fn goes_on(
-        &self,
-        agent: &Agent,
-        given: &LearnerGivens,
-        grown: &Growth,
-        seed: u64,
-    ) -> Option<Box<dyn Learner>> {
-        Some(Box::new(Grower::from(agent, grown.clone(), seed).with_input(given.input)))
+        let grown = given.grown.clone().unwrap_or_else(|| Growth::new(agent, seed));
+        Box::new(Grower::from(agent, grown, seed).with_input(given.input))
     }
 }

@@ -37,17 +37,6 @@ pub trait LearnerKind: Sync {
     /// A learner with a body and a way to learn, whose random numbers come from `seed`.
     fn learner(&self, agent: &Agent, given: &LearnerGivens, seed: u64) -> Box<dyn Learner>;
 
-    /// The same that goes on from what was learned while the touches were made; none where it makes nothing of that.
-    fn goes_on(
-        &self,
-        _agent: &Agent,
-        _given: &LearnerGivens,
-        _grown: &Growth,
-        _seed: u64,
-    ) -> Option<Box<dyn Learner>> {
-        None
-    }
-
     /// Whether it predicts each touch before it learns from it.
     fn predicts(&self, _given: &LearnerGivens) -> bool {
         false
@@ -79,7 +68,7 @@ impl<'de> Deserialize<'de> for &'static dyn LearnerKind {
 }
 
 /// What a learner is given beside a body: how touches are reported to it, and what it knows.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct LearnerGivens {
     /// What touches report.
     pub input: Input,
@@ -89,6 +78,8 @@ pub struct LearnerGivens {
     pub frames: LimbFrames,
     /// What is known of joints before the first touch.
     pub known: Vec<KnownJoint>,
+    /// What was learned while the touches were made, for a learner that goes on from it.
+    pub grown: Option<Growth>,
 }
 
 /// What a kind of learner can use of what it is given.

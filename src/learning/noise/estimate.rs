@@ -3,10 +3,10 @@
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Vector3};
 
-use super::gap::{Compared, NoisyGap};
+use super::adjusted::{Compared, NoisyGap};
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
-use crate::learning::prediction::{add_row, information_inverse};
+use crate::learning::prediction::{add_row, doubt_axes, invert, row_variance};
 use crate::learning::touch_set::TouchSet;
 
 /// Rounds of who is honest, what the touches say and how much noise there is, one after the other.
@@ -103,7 +103,7 @@ impl Noise {
         }
         let mut shift = None;
         for _ in 0..ROUNDS {
-            let system = MixedSystem::new(&noise, gaps, parameters.len(), prior, shift.as_ref());
+            let system = MixedSystem::new(&noise, gaps, prior, shift.as_ref());
             let Some(solved) = system.solve(gaps, parameters, true) else { return noise };
             let next = noise.stepped(gaps, &system, &solved);
             let change = |a: f64, b: f64| (a - b).abs() > SETTLED * a.max(b);
@@ -181,7 +181,7 @@ impl Noise {
     }
 }
 
-/// The normal equations of parameters and the shifts of the skin under receptors.
+/// The normal equations of the shifts of the skin under receptors, three coordinates each, and of the parameters after them.
 pub(super) struct MixedSystem {
     /// Per gap, the probability that it is honest.
     honest: Vec<f64>,
@@ -191,15 +191,12 @@ pub(super) struct MixedSystem {
     places: Vec<Option<usize>>,
     pub shifts: usize,
     pub receptor: f64,
-    pub information: DMatrix<f64>,
-    pub gradient: DVector<f64>,
-    across: DMatrix<f64>,
-    shift_information: DMatrix<f64>,
-    shift_gradient: DVector<f64>,
+    information: DMatrix<f64>,
+    gradient: DVector<f64>,
     squares: f64,
 }
 
-/// The same with the shifts eliminated.
+/// The normal equations of the parameters with the shifts eliminated.
 pub(super) struct Eliminated {
     pub information: DMatrix<f64>,
     pub gradient: DVector<f64>,
@@ -221,7 +218,6 @@ impl MixedSystem {
     pub fn new(
         noise: &Noise,
         gaps: &[NoisyGap],
-        parameters: usize,
         prior: &DMatrix<f64>,
         residuals: Option<&Vec<f64>>,
     ) -> MixedSystem {
@@ -254,64 +250,50 @@ impl MixedSystem {
                 }
             }
         }
-        let mut system = MixedSystem {
-            honest,
-            weights,
-            places,
-            shifts,
-            receptor: noise.receptor,
-            information: prior.clone(),
-            gradient: DVector::zeros(parameters),
-            across: DMatrix::zeros(shifts, parameters),
-            shift_information: DMatrix::identity(shifts, shifts)
-                / noise.receptor.powi(2).max(f64::MIN_POSITIVE),
-            shift_gradient: DVector::zeros(shifts),
-            squares: 0.0,
-        };
-        for (gap, weight) in gaps.iter().zip(system.weights.clone()) {
+        let parameters = prior.nrows();
+        let mut information = DMatrix::zeros(shifts + parameters, shifts + parameters);
+        let of_shift = noise.receptor.powi(2).max(f64::MIN_POSITIVE).recip();
+        information.view_mut((0, 0), (shifts, shifts)).fill_diagonal(of_shift);
+        information.view_mut((shifts, shifts), (parameters, parameters)).copy_from(prior);
+        let gradient = DVector::zeros(shifts + parameters);
+        let receptor = noise.receptor;
+        let mut system =
+            MixedSystem { honest, weights, places, shifts, receptor, information, gradient, squares: 0.0 };
+        for (gap, weight) in gaps.iter().zip(&system.weights) {
+            let row = system.row(gap);
             system.squares += weight * gap.gap * gap.gap;
-            for &(column, slope) in &gap.entries {
-                system.gradient[column] += weight * slope * gap.gap;
-            }
-            add_row(&mut system.information, &gap.entries, weight);
-            if system.shifts == 0 {
-                continue;
-            }
-            let shifts: Vec<(usize, f64)> = system.shifts_of(gap);
-            for &(place, slope) in &shifts {
-                let scaled = weight * slope;
-                system.shift_gradient[place] += scaled * gap.gap;
-                for &(other, other_slope) in &shifts {
-                    system.shift_information[(other, place)] += scaled * other_slope;
-                }
-                for &(column, other) in &gap.entries {
-                    system.across[(place, column)] += scaled * other;
-                }
-            }
+            row.iter().for_each(|&(place, slope)| system.gradient[place] += weight * slope * gap.gap);
+            add_row(&mut system.information, &row, *weight);
         }
         system
     }
 
-    pub fn shifts_of(&self, gap: &NoisyGap) -> Vec<(usize, f64)> {
-        let mut shifts = Vec::with_capacity(6);
-        for (receptor, normal) in gap.shifts() {
-            if let Some(place) = self.places.get(receptor).copied().flatten() {
-                shifts.extend((0..3).map(|i| (place + i, normal[i])));
-            }
-        }
-        shifts
+    /// The derivative of a gap by the shifts of its receptors' skin.
+    pub fn shifts_of(&self, gap: &NoisyGap) -> impl Iterator<Item = (usize, f64)> {
+        let placed = |(receptor, normal)| Some((self.places.get(receptor).copied().flatten()?, normal));
+        let shifts = gap.shifts().filter_map(placed);
+        shifts.flat_map(|(place, normal)| [0, 1, 2].map(|i| (place + i, normal[i])))
+    }
+
+    /// The derivative of a gap by all of them.
+    fn row(&self, gap: &NoisyGap) -> Vec<(usize, f64)> {
+        let of_parameters = gap.entries.iter().map(|&(place, slope)| (self.shifts + place, slope));
+        self.shifts_of(gap).chain(of_parameters).collect()
     }
 
     /// Schur's complement; none where rounding forbids.
     pub fn eliminated(&self) -> Option<Eliminated> {
-        let (mut information, mut gradient) = (self.information.clone(), self.gradient.clone());
-        if self.shifts == 0 {
+        let (shifts, parameters) = (self.shifts, self.gradient.len() - self.shifts);
+        let mut information = self.information.view((shifts, shifts), (parameters, parameters)).clone_owned();
+        let mut gradient = self.gradient.rows(shifts, parameters).clone_owned();
+        if shifts == 0 {
             return Some(Eliminated { information, gradient, cost: 0.5 * self.squares, factor: None });
         }
-        let factor = self.shift_information.clone().cholesky()?;
+        let factor = self.information.view((0, 0), (shifts, shifts)).clone_owned().cholesky()?;
         let lower = factor.l_dirty();
-        let across = lower.solve_lower_triangular(&self.across)?;
-        let pull = lower.solve_lower_triangular(&self.shift_gradient)?;
+        let across = self.information.view((0, shifts), (shifts, parameters));
+        let across = lower.solve_lower_triangular(&across)?;
+        let pull = lower.solve_lower_triangular(&self.gradient.rows(0, shifts))?;
         information -= across.tr_mul(&across);
         gradient -= across.tr_mul(&pull);
         let cost = 0.5 * (self.squares - pull.norm_squared());
@@ -320,46 +302,28 @@ impl MixedSystem {
 
     /// The residuals after a step to the least cost, and how much of each gap it takes up.
     pub fn solve(&self, gaps: &[NoisyGap], parameters: &Parameters, leverage: bool) -> Option<MixedSolution> {
-        let Eliminated { information, gradient, factor, .. } = self.eliminated()?;
-        let covariance = information_inverse(information, parameters)?;
-        let change = -&covariance * gradient;
-        // Covariances of the shifts, and of these and the parameters.
-        let (shift, cross, shift_covariance) = match &factor {
-            None => (DVector::zeros(0), DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)),
-            Some(factor) => {
-                let solved = factor.solve(&self.across);
-                let shift = -factor.solve(&self.shift_gradient) - &solved * &change;
-                if leverage {
-                    let cross = -&solved * &covariance;
-                    let own = factor.inverse() - &cross * solved.transpose();
-                    (shift, cross, own)
-                } else {
-                    (shift, DMatrix::zeros(0, 0), DMatrix::zeros(0, 0))
-                }
-            }
+        let mut information = self.information.clone();
+        doubt_axes(&mut information, parameters, self.shifts);
+        let (step, covariance) = if leverage {
+            let covariance = invert(information)?;
+            (-&covariance * &self.gradient, covariance)
+        } else {
+            (-information.cholesky()?.solve(&self.gradient), DMatrix::zeros(0, 0))
         };
         let mut residuals = Vec::with_capacity(gaps.len());
         let mut leverages = Vec::with_capacity(gaps.len());
         for (gap, weight) in gaps.iter().zip(&self.weights) {
-            let shifts = if self.shifts == 0 { Vec::new() } else { self.shifts_of(gap) };
-            let moved = gap.entries.iter().map(|&(k, slope)| slope * change[k]).sum::<f64>()
-                + shifts.iter().map(|&(k, slope)| slope * shift[k]).sum::<f64>();
-            residuals.push(gap.gap + moved);
-            if !leverage {
-                continue;
+            let row = self.row(gap);
+            residuals.push(gap.gap + row.iter().map(|&(place, slope)| slope * step[place]).sum::<f64>());
+            if leverage {
+                leverages.push((weight * row_variance(&row, &covariance)).clamp(0.0, 1.0));
             }
-            let mut variance = gap.predicted(&covariance);
-            for &(row, slope) in &shifts {
-                variance +=
-                    shifts.iter().map(|&(k, other)| slope * other * shift_covariance[(k, row)]).sum::<f64>();
-                variance +=
-                    2.0 * slope * gap.entries.iter().map(|&(k, other)| other * cross[(row, k)]).sum::<f64>();
-            }
-            leverages.push((weight * variance).clamp(0.0, 1.0));
         }
+        let shift_covariance: f64 = covariance.diagonal().iter().take(self.shifts).sum();
         let shift_freedom =
-            self.shifts as f64 - shift_covariance.trace() / self.receptor.powi(2).max(f64::MIN_POSITIVE);
-        Some(MixedSolution { residuals, leverages, shift_squares: shift.norm_squared(), shift_freedom })
+            self.shifts as f64 - shift_covariance / self.receptor.powi(2).max(f64::MIN_POSITIVE);
+        let shift_squares = step.rows(0, self.shifts).norm_squared();
+        Some(MixedSolution { residuals, leverages, shift_squares, shift_freedom })
     }
 
     /// How much more alike gaps are that share a receptor than chance makes them: the derivative of the likelihood by
@@ -390,7 +354,7 @@ impl MixedSystem {
 /// `parameters`, symmetric; none where rounding forbids. A gap whose touch is false tells nothing.
 pub fn information(gaps: &[NoisyGap], parameters: &Parameters, noise: &Noise) -> Option<DMatrix<f64>> {
     let nothing = DMatrix::zeros(parameters.len(), parameters.len());
-    let system = MixedSystem::new(noise, gaps, parameters.len(), &nothing, None);
+    let system = MixedSystem::new(noise, gaps, &nothing, None);
     Some(system.eliminated()?.information)
 }
 

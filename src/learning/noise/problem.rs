@@ -3,14 +3,13 @@
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-use super::adjusted::{Adjusted, gaps_of};
+use super::adjusted::{Adjusted, Compared, NoisyGap, gaps_of};
 use super::estimate::{Eliminated, MixedSystem, Noise};
-use super::gap::{Compared, NoisyGap};
 use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::learning::Parameters;
 use crate::learning::least_squares::{LeastSquares, Linearization};
-use crate::learning::prior::PriorTerm;
+use crate::learning::prior::Prior;
 use crate::learning::touch_set::LOOK;
 use crate::schema::BodySchema;
 
@@ -19,7 +18,7 @@ pub struct NoisyProblem<'a> {
     of: (&'a Agent, Compared),
     adjusted: &'a Adjusted<'a>,
     parameters: &'a Parameters,
-    prior: &'a dyn PriorTerm,
+    prior: &'a Prior,
     noise: Noise,
     system: Option<(MixedSystem, Option<Cholesky<f64, Dyn>>)>,
     residuals: Option<Vec<f64>>,
@@ -31,7 +30,7 @@ impl<'a> NoisyProblem<'a> {
         of: (&'a Agent, Compared),
         adjusted: &'a Adjusted<'a>,
         parameters: &'a Parameters,
-        prior: &'a dyn PriorTerm,
+        prior: &'a Prior,
         noise: Noise,
     ) -> NoisyProblem<'a> {
         NoisyProblem { of, adjusted, parameters, prior, noise, system: None, residuals: None }
@@ -48,7 +47,7 @@ impl<'a> NoisyProblem<'a> {
         }
         let shift = factor.as_ref().map_or(DVector::zeros(0), |factor| -factor.solve(&pull));
         let squares = gaps.iter().zip(&system.weights).map(|(gap, weight)| {
-            let moved: f64 = system.shifts_of(gap).iter().map(|&(k, slope)| slope * shift[k]).sum();
+            let moved: f64 = system.shifts_of(gap).map(|(k, slope)| slope * shift[k]).sum();
             weight * (gap.gap + moved).powi(2)
         });
         0.5 * (squares.sum::<f64>() + shift.norm_squared() / system.receptor.powi(2).max(f64::MIN_POSITIVE))
@@ -63,10 +62,10 @@ impl LeastSquares for NoisyProblem<'_> {
         count_work(self.adjusted.touches.len() * (LOOK + n.pow(2)));
         let gaps = gaps_of(self.of, self.adjusted, self.parameters, schema);
         let nothing = DMatrix::zeros(n, n);
-        let mut system = MixedSystem::new(&self.noise, &gaps, n, &nothing, self.residuals.as_ref());
+        let mut system = MixedSystem::new(&self.noise, &gaps, &nothing, self.residuals.as_ref());
         // Who is honest is seen best where the step leads.
         if let Some(solved) = system.solve(&gaps, self.parameters, false) {
-            system = MixedSystem::new(&self.noise, &gaps, n, &nothing, Some(&solved.residuals));
+            system = MixedSystem::new(&self.noise, &gaps, &nothing, Some(&solved.residuals));
             self.residuals = Some(solved.residuals);
         }
         let eliminated = system.eliminated();

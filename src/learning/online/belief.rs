@@ -14,13 +14,13 @@
 use nalgebra::{DMatrix, DVector, Matrix2};
 
 use crate::agent::Agent;
+use crate::creature::Creature;
 use crate::deadline::Deadline;
-use crate::geometry::tangent_basis;
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, WIDEST, gaps, quantile, typical_gap};
-use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
+use crate::learning::least_squares::{LeastSquares, Stopping, levenberg_marquardt};
 use crate::learning::prediction::{GapRow, information_inverse, invert};
-use crate::learning::prior::PriorTerm;
+use crate::learning::prior::{CorrelatedPrior, Prior, between_bases};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::schema::BodySchema;
@@ -69,6 +69,30 @@ impl Belief {
         let product = DVector::zeros(parameters.len());
         let covariance = information_inverse(information, &parameters)?;
         Some(Belief { schema, parameters, covariance, deviation, row: GapRow::default(), product })
+    }
+
+    /// What touches of a gap deviation (metres) and a prior determine of parameters at a schema that was fitted to them. None where
+    /// rounding forbids.
+    pub fn at(
+        agent: &Agent,
+        touches: &TouchSet,
+        parameters: Parameters,
+        prior: &Prior,
+        schema: BodySchema,
+        deviation: f64,
+    ) -> Option<Belief> {
+        let model = SurfaceGap::new(agent.skin(), deviation);
+        let mut problem = TouchProblem::new(agent.creature(), touches, &parameters, model).with_prior(prior);
+        let information = problem.linearize(&schema).hessian;
+        Belief::new(schema, parameters, information, deviation)
+    }
+
+    /// The belief that all touches give when they are fitted again from this one, to have every derivative where the schema is
+    /// now. None where rounding forbids.
+    pub fn fitted_again(&self, agent: &Agent, touches: &TouchSet, prior: &Prior) -> Option<Belief> {
+        let (schema, deviation) =
+            fit_again(agent, touches, &self.parameters, prior, self.schema.clone(), self.deviation);
+        Belief::at(agent, touches, self.parameters.clone(), prior, schema, deviation)
     }
 
     /// Whether the belief has a place for every joint.
@@ -137,26 +161,21 @@ impl Belief {
         }
     }
 
-    /// The belief as the anchor of a fit: what was known before its touches.
-    pub fn anchor(&self) -> Option<Anchor> {
-        Anchor::of(self, self.parameters.clone())
+    /// The belief as all that is known before a fit to other touches. None where rounding forbids.
+    pub fn as_prior(&self, creature: &Creature) -> Option<Prior> {
+        let correlated = Some(self.marginal(self.parameters.clone())?);
+        Some(Prior { correlated, ..Prior::size(creature, f64::INFINITY) })
     }
 
-    /// Fits all touches again from the present schema, to have every derivative where the schema is now.
-    /// False where rounding forbids: nothing is changed then.
-    pub fn relinearize(&mut self, agent: &Agent, touches: &TouchSet, prior: &dyn PriorTerm) -> bool {
-        let skin = agent.skin();
-        let (schema, deviation) =
-            fit_again(agent, touches, &self.parameters, prior, self.schema.clone(), self.deviation);
-        let model = SurfaceGap::new(skin, deviation);
-        let mut problem =
-            TouchProblem::new(agent.creature(), touches, &self.parameters, model).with_prior(prior);
-        let information = problem.linearize(&schema).hessian;
-        let Some(belief) = Belief::new(schema, self.parameters.clone(), information, deviation) else {
-            return false;
-        };
-        *self = belief;
-        true
+    /// What is known of some parameters, whatever the others are. None where rounding forbids.
+    pub fn marginal(&self, parameters: Parameters) -> Option<CorrelatedPrior> {
+        let places = parameters.places_in(&self.parameters);
+        let chosen: Vec<usize> = places.iter().map(|(_, there)| *there).collect();
+        let covariance = self.covariance.select_rows(&chosen).select_columns(&chosen);
+        let variances = covariance.diagonal();
+        let mut information = invert(covariance)?;
+        information.fill_upper_triangle_with_lower_triangle();
+        Some(CorrelatedPrior { mean: self.schema.clone(), parameters, information, variances })
     }
 }
 
@@ -175,7 +194,7 @@ pub fn fit_again(
     agent: &Agent,
     touches: &TouchSet,
     parameters: &Parameters,
-    prior: &dyn PriorTerm,
+    prior: &Prior,
     mut schema: BodySchema,
     least: f64,
 ) -> (BodySchema, f64) {
@@ -199,90 +218,4 @@ pub fn fit_again(
         deviation = next;
     }
     (schema, noise(&found))
-}
-
-/// `∂(coordinates about the second schema) / ∂(coordinates about the first)` of an axis.
-fn between_bases(first: &BodySchema, second: &BodySchema, axis: usize) -> Matrix2<f64> {
-    tangent_basis(&second.axes[axis]).transpose() * tangent_basis(&first.axes[axis])
-}
-
-/// A Gaussian about a schema with a full information matrix over some of its parameters.
-#[derive(Clone, Debug)]
-pub struct Anchor {
-    /// The mean.
-    pub mean: BodySchema,
-    /// The parameters that it is about; axes are unit axes.
-    pub parameters: Parameters,
-    /// The inverse of the covariance, symmetric.
-    pub information: DMatrix<f64>,
-    /// The variance of each parameter.
-    variances: DVector<f64>,
-}
-
-impl Anchor {
-    /// What the anchor knows of some of its parameters, whatever the others are; none where rounding forbids.
-    pub fn of(belief: &Belief, parameters: Parameters) -> Option<Anchor> {
-        let places = parameters.places_in(&belief.parameters);
-        let chosen: Vec<usize> = places.iter().map(|(_, there)| *there).collect();
-        let covariance = belief.covariance.select_rows(&chosen).select_columns(&chosen);
-        let variances = covariance.diagonal();
-        let mut information = invert(covariance)?;
-        information.fill_upper_triangle_with_lower_triangle();
-        Some(Anchor { mean: belief.schema.clone(), parameters, information, variances })
-    }
-
-    /// How far a schema is from the mean, in the parameters about the mean.
-    pub fn difference(&self, schema: &BodySchema) -> DVector<f64> {
-        let mut difference = DVector::zeros(self.parameters.len());
-        for (joint, offset) in self.parameters.positions.iter().enumerate() {
-            if let Some(offset) = *offset {
-                let miss = schema.positions[joint] - self.mean.positions[joint];
-                difference.fixed_rows_mut::<3>(offset).copy_from(&miss);
-            }
-        }
-        for (axis, offset) in self.parameters.axes.iter().enumerate() {
-            if let Some(offset) = *offset {
-                let basis = tangent_basis(&self.mean.axes[axis]);
-                let miss = basis.transpose() * (schema.axes[axis] - self.mean.axes[axis]);
-                difference.fixed_rows_mut::<2>(offset).copy_from(&miss);
-            }
-        }
-        difference
-    }
-}
-
-impl PriorTerm for Anchor {
-    fn cost(&self, _: &Parameters, schema: &BodySchema) -> f64 {
-        let difference = self.difference(schema);
-        0.5 * difference.dot(&(&self.information * &difference))
-    }
-
-    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        let difference = self.difference(schema);
-        let mut pull = &self.information * &difference;
-        model.cost += 0.5 * difference.dot(&pull);
-        let mut information = self.information.clone();
-        // The present basis of an axis may not be the one about the mean.
-        for (axis, offset) in self.parameters.axes.iter().enumerate() {
-            let Some(offset) = offset.filter(|_| parameters.axes[axis].is_some()) else { continue };
-            let turn = between_bases(schema, &self.mean, axis);
-            if (turn - Matrix2::identity()).norm_squared() > 1e-24 {
-                let slope = turn.transpose() * pull.fixed_rows::<2>(offset);
-                pull.fixed_rows_mut::<2>(offset).copy_from(&slope);
-                let rows = turn.transpose() * information.fixed_rows::<2>(offset);
-                information.fixed_rows_mut::<2>(offset).copy_from(&rows);
-                let columns = information.fixed_columns::<2>(offset) * turn;
-                information.fixed_columns_mut::<2>(offset).copy_from(&columns);
-            }
-        }
-        // What is not among the parameters is held at its mean.
-        let places = self.parameters.places_in(parameters);
-        for &(from, to) in &places {
-            model.gradient[to] += pull[from];
-            model.scale[to] += 1.0 / self.variances[from];
-            for &(other_from, other_to) in &places {
-                model.hessian[(other_to, to)] += information[(other_from, from)];
-            }
-        }
-    }
 }

@@ -5,12 +5,11 @@
 //! that was learned. Each suspect is then tried for an explanation of the touches since: its joint somewhere
 //! else, as when the limb that carries it has grown; or a stick in the limb that it moves.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use crate::agent::Agent;
-use crate::creature::Creature;
 use crate::kinematics::Chain;
-use crate::learning::annealing::{AnnealingLimits, anneal};
+use crate::learning::annealing::{AnnealingLimits, anneal, gaps};
 use crate::learning::online::tool::Tool;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
@@ -59,43 +58,42 @@ pub enum Explanation {
     Holds(Tool),
 }
 
-/// The watch over the last touches of every joint.
-#[derive(Clone, Debug)]
+/// What may have changed, by what its touches have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Suspect {
+    /// A joint between the limbs.
+    Joint(usize),
+    /// A receptor: whatever a stick touches is felt where it is held.
+    Receptor(usize),
+}
+
+/// The watch over the last touches of every joint and receptor.
+#[derive(Clone, Debug, Default)]
 pub struct Watch {
-    by_joint: Vec<VecDeque<(usize, bool)>>,
-    /// The same per receptor: whatever a stick touches is felt where it is held.
-    by_receptor: BTreeMap<usize, VecDeque<(usize, bool)>>,
+    windows: BTreeMap<Suspect, VecDeque<(usize, bool)>>,
     recent: VecDeque<Watched>,
     /// Touches that explanations were looked for at, so that it is not done at every one.
     tried_at: usize,
 }
 
 impl Watch {
-    /// A watch over a creature's joints.
-    pub fn new(creature: &Creature) -> Watch {
-        let by_joint = vec![VecDeque::new(); creature.joints().len()];
-        Watch { by_joint, by_receptor: BTreeMap::new(), recent: VecDeque::new(), tried_at: 0 }
-    }
-
     /// Takes in a touch; the number of the first surprising touch where the body seems to have changed.
     pub fn see(&mut self, chain: &Chain, watched: Watched) -> Option<usize> {
-        let take_in = |window: &mut VecDeque<(usize, bool)>| {
+        let receptors = watched.touch.ends.iter().map(|end| Suspect::Receptor(end.receptor));
+        for suspect in chain.joints().map(Suspect::Joint).chain(receptors) {
+            let window = self.windows.entry(suspect).or_default();
             window.push_back((watched.number, watched.surprising));
             if window.len() > WINDOW {
                 window.pop_front();
             }
-        };
-        chain.joints().for_each(|joint| take_in(&mut self.by_joint[joint]));
-        let receptors = watched.touch.ends.iter().map(|end| end.receptor);
-        receptors.for_each(|receptor| take_in(self.by_receptor.entry(receptor).or_default()));
+        }
         let number = watched.number;
         self.recent.push_back(watched);
         if self.recent.len() > KEPT {
             self.recent.pop_front();
         }
         let alarmed = |window: &&VecDeque<(usize, bool)>| surprises(window) >= SURPRISES;
-        let windows = self.by_joint.iter().chain(self.by_receptor.values());
-        let onset = windows.filter(alarmed).filter_map(first_surprise).min()?;
+        let onset = self.windows.values().filter(alarmed).filter_map(first_surprise).min()?;
         // Looked for again when an eighth more touches have come.
         let since = number + 1 - onset;
         if self.tried_at > onset && number < self.tried_at + since / 8 {
@@ -112,8 +110,7 @@ impl Watch {
 
     /// Forgets all surprises; the touches themselves may be needed again.
     pub fn calm(&mut self) {
-        self.by_joint.iter_mut().for_each(VecDeque::clear);
-        self.by_receptor.clear();
+        self.windows.clear();
     }
 
     /// What explains the touches since `onset`, if anything does.
@@ -166,11 +163,13 @@ impl Watch {
                 offer(explained.saturating_sub(all - open), Explanation::Moved(joint, found));
             }
         }
-        let held = self.by_receptor.iter().filter(|(_, window)| surprises(window) >= SURPRISES);
-        let mut limbs: Vec<usize> = held.map(|(&receptor, _)| skin.receptors[receptor].limb).collect();
-        limbs.sort_unstable();
-        limbs.dedup();
-        for limb in limbs {
+        let holds = |(suspect, window): (&Suspect, &VecDeque<(usize, bool)>)| match *suspect {
+            Suspect::Receptor(receptor) if surprises(window) >= SURPRISES => {
+                Some(skin.receptors[receptor].limb)
+            }
+            _ => None,
+        };
+        for limb in self.windows.iter().filter_map(holds).collect::<BTreeSet<usize>>() {
             // What surprises is by the stick; the bare hand's touches are as they were.
             let with_limb = since.iter().filter(|(w, _, open)| *open && w.limbs.contains(&limb));
             let touches: Vec<&PreparedTouch> = with_limb.map(|(w, ..)| &w.touch).collect();
@@ -198,9 +197,6 @@ fn first_surprise(window: &VecDeque<(usize, bool)>) -> Option<usize> {
 
 /// Share of the touches whose gaps are narrower than `close`, metres.
 pub fn closed(skin: &Skin, touches: &TouchSet, schema: &BodySchema, close: f64) -> f64 {
-    let model = SurfaceGap::new(skin, 1.0);
-    let all = touches.touches();
-    let gap = |touch: &PreparedTouch| model.gap(&touch.ends, &touch.frames(schema)).distance.abs();
-    let count = all.filter(|touch| gap(touch) < close).count();
-    count as f64 / touches.len().max(1) as f64
+    let gaps = gaps(skin, touches, schema);
+    gaps.partition_point(|gap| *gap < close) as f64 / gaps.len().max(1) as f64
 }

@@ -12,6 +12,8 @@ pub mod belief;
 mod change;
 mod tool;
 
+use std::borrow::Cow;
+
 use crate::agent::Agent;
 use crate::deadline::Deadline;
 use crate::kinematics::Chain;
@@ -24,11 +26,11 @@ use crate::learning::scrutiny::{Scrutiny, ToldTouch};
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchProblem, TouchSet};
 use crate::learning::{
-    Account, Basis, Input, Learned, Learner, LengthUnit, PriorKnowledge, SecondOrder, Witnesses,
+    Account, Basis, Input, Learned, Learner, LengthUnit, Prior, PriorKnowledge, SecondOrder, Witnesses,
 };
 use crate::schema::BodySchema;
 use crate::senses::Touch;
-pub use belief::{Anchor, Belief, Expectation, fit_again};
+pub use belief::{Belief, Expectation, fit_again};
 use change::{Explanation, Watch, Watched};
 pub use tool::Tool;
 
@@ -125,29 +127,36 @@ pub struct Online {
     /// How many of its predicted deviations each missed by.
     deviations: Vec<f64>,
     changes: Vec<BodyChange>,
-    tools: Vec<Tool>,
-    /// Per tool, the touches that it explained and how many there will be when it is fitted again.
-    by_tool: Vec<(Vec<PreparedTouch>, usize)>,
+    sticks: Vec<HeldStick>,
     /// All of this before the last change was explained, as long as the explanation is on probation.
-    before: Option<Box<Before>>,
+    snapshot: Option<Box<Snapshot>>,
 }
 
 /// What there was before a change was explained.
-struct Before {
+struct Snapshot {
     locked: Locked,
-    tools: Vec<Tool>,
-    by_tool: Vec<(Vec<PreparedTouch>, usize)>,
+    sticks: Vec<HeldStick>,
     /// The touch at which it was explained, and the first of those explained.
     number: usize,
     onset: usize,
+}
+
+/// A stick that is held.
+#[derive(Clone)]
+struct HeldStick {
+    tool: Tool,
+    /// The touches that it explained.
+    touches: Vec<PreparedTouch>,
+    /// How many of these there will be when it is fitted again.
+    next_fit: usize,
 }
 
 /// What there is once a schema is found.
 #[derive(Clone)]
 struct Locked {
     belief: Belief,
-    /// What was known before the touches below; none but the prior before the body first changed.
-    anchor: Option<Anchor>,
+    /// What was known before the touches below: once the body has changed, what those from before determine.
+    prior: Prior,
     touches: TouchSet,
     /// Touches with joints that the belief has no place for.
     beyond: usize,
@@ -176,9 +185,8 @@ impl Online {
             surprises: Vec::new(),
             deviations: Vec::new(),
             changes: Vec::new(),
-            tools: Vec::new(),
-            by_tool: Vec::new(),
-            before: None,
+            sticks: Vec::new(),
+            snapshot: None,
         }
     }
 
@@ -194,14 +202,14 @@ impl Online {
     ) -> Option<Online> {
         let found = &account.observability;
         let belief = Belief::new(schema, found.parameters.clone(), found.information().clone(), deviation)?;
-        let anchor = Some(belief.anchor()?);
+        let prior = belief.as_prior(agent.creature())?;
         let mut learner = Online::new(agent, seed);
         learner.known.frozen.copy_from_slice(found.known());
         learner.unit = found.unit();
-        let watch = Watch::new(agent.creature());
+        let watch = Watch::default();
         let touches = TouchSet::default();
         // Not before it would be noticed that the body has changed: touches from before and after fit nothing.
-        learner.locked = Some(Locked { belief, anchor, touches, beyond: 0, next_fit: PATIENCE, watch });
+        learner.locked = Some(Locked { belief, prior, touches, beyond: 0, next_fit: PATIENCE, watch });
         Some(learner)
     }
 
@@ -258,15 +266,13 @@ impl Online {
                 beyond += 1;
             }
         }
-        let model = SurfaceGap::new(self.agent.skin(), deviation);
-        let mut problem = TouchProblem::new(self.agent.creature(), &touches, &parameters, model)
-            .with_prior(&self.known.prior);
-        let information = problem.linearize(&learned.schema).hessian;
-        let belief = Belief::new(learned.schema.clone(), parameters, information, deviation);
+        let schema = learned.schema.clone();
+        let belief = Belief::at(&self.agent, &touches, parameters, &self.known.prior, schema, deviation);
         let Some(belief) = belief else { return };
         let next_fit = 2 * touches.len();
-        let watch = Watch::new(self.agent.creature());
-        self.locked = Some(Locked { belief, anchor: None, touches, beyond, next_fit, watch });
+        let watch = Watch::default();
+        let prior = self.known.prior.clone();
+        self.locked = Some(Locked { belief, prior, touches, beyond, next_fit, watch });
     }
 
     /// Predicts a touch, then learns from it.
@@ -284,20 +290,20 @@ impl Online {
             return;
         }
         let mut expectation = locked.belief.expect(self.agent.skin(), &prepared);
-        let gaps = self.tools.iter().enumerate().filter(|(_, tool)| limbs.contains(&tool.limb));
-        let by_tool = gaps
-            .filter_map(|(k, tool)| Some((k, tool.gap(self.agent.skin(), &locked.belief.schema, &prepared)?)))
-            .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .filter(|(_, gap)| gap.abs() < expectation.gap.abs());
-        if let Some((k, gap)) = by_tool {
+        let skin = self.agent.skin();
+        let of_limbs = self.sticks.iter_mut().filter(|stick| limbs.contains(&stick.tool.limb));
+        let by_stick = of_limbs
+            .filter_map(|stick| Some((stick.tool.gap(skin, &locked.belief.schema, &prepared)?, stick)))
+            .min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+            .filter(|(gap, _)| gap.abs() < expectation.gap.abs());
+        let is_by_stick = by_stick.is_some();
+        if let Some((gap, stick)) = by_stick {
             expectation.gap = gap;
-            let (touches, next_fit) = &mut self.by_tool[k];
-            touches.push(prepared.clone());
-            if touches.len() >= *next_fit {
-                let all: Vec<&PreparedTouch> = touches.iter().collect();
-                self.tools[k] =
-                    self.tools[k].refitted(self.agent.skin(), &locked.belief.schema, &all, CLOSE_ENOUGH);
-                *next_fit = touches.len() + touches.len() / 2;
+            stick.touches.push(prepared.clone());
+            if stick.touches.len() >= stick.next_fit {
+                let all: Vec<&PreparedTouch> = stick.touches.iter().collect();
+                stick.tool = stick.tool.refitted(skin, &locked.belief.schema, &all, CLOSE_ENOUGH);
+                stick.next_fit = 3 * stick.touches.len() / 2;
             }
         }
         self.expectation = Some(expectation);
@@ -307,7 +313,7 @@ impl Online {
         self.deviations.push(deviations);
         let watched = Watched { number, limbs, touch: prepared.clone(), surprising };
         let changed = locked.watch.see(&chain, watched);
-        if by_tool.is_none() {
+        if !is_by_stick {
             if !surprising {
                 locked.belief.learn((TAIL / deviations.max(TAIL)).powi(2));
             }
@@ -322,24 +328,21 @@ impl Online {
 
     fn fit_again(&mut self) {
         let Some(locked) = self.locked.as_mut() else { return };
-        match &locked.anchor {
-            Some(anchor) => locked.belief.relinearize(&self.agent, &locked.touches, anchor),
-            None => locked.belief.relinearize(&self.agent, &locked.touches, &self.known.prior),
-        };
+        if let Some(belief) = locked.belief.fitted_again(&self.agent, &locked.touches, &locked.prior) {
+            locked.belief = belief;
+        }
         locked.next_fit = 2 * locked.touches.len();
     }
 
     /// Looks for what explains the touches since `onset`, and goes by it.
     fn adapt(&mut self, mut onset: usize, number: usize) {
         // An explanation that so soon leaves touches unexplained was wrong, or the change went on.
-        if let Some(before) = self.before.take_if(|before| number < before.number + PROBATION) {
-            let Before { locked, tools, by_tool, onset: first, .. } = *before;
-            let watch = self.locked.take().map(|locked| locked.watch);
-            self.locked =
-                Some(Locked { watch: watch.unwrap_or_else(|| Watch::new(self.agent.creature())), ..locked });
-            (self.tools, self.by_tool) = (tools, by_tool);
+        if let Some(before) = self.snapshot.take_if(|before| number < before.number + PROBATION) {
+            let watch = self.locked.take().map(|locked| locked.watch).unwrap_or_default();
+            self.locked = Some(Locked { watch, ..before.locked });
+            self.sticks = before.sticks;
             self.changes.pop();
-            onset = first;
+            onset = before.onset;
         }
         let Some(locked) = self.locked.as_mut() else { return };
         let agent = &self.agent;
@@ -348,8 +351,8 @@ impl Online {
             locked.watch.explain(onset, agent, &belief.schema, &belief.parameters, belief.deviation);
         let since: Vec<Watched> = locked.watch.since(onset).cloned().collect();
         if explanation.is_some() {
-            let (tools, by_tool) = (self.tools.clone(), self.by_tool.clone());
-            self.before = Some(Box::new(Before { locked: locked.clone(), tools, by_tool, number, onset }));
+            let (locked, sticks) = (locked.clone(), self.sticks.clone());
+            self.snapshot = Some(Box::new(Snapshot { locked, sticks, number, onset }));
         }
         match explanation {
             None if since.len() < PATIENCE => {}
@@ -363,14 +366,9 @@ impl Online {
                 let by_stick = since.iter().filter(|w| w.surprising && w.limbs.contains(&tool.limb));
                 let touches: Vec<&PreparedTouch> = by_stick.map(|watched| &watched.touch).collect();
                 let tool = tool.settled(agent.skin(), &belief.schema, &touches);
-                let explained = touches.into_iter().cloned().collect::<Vec<_>>();
-                let next_fit = explained.len() + explained.len() / 2;
-                if let Some(k) = self.tools.iter().position(|other| other.limb == tool.limb) {
-                    self.tools.remove(k);
-                    self.by_tool.remove(k);
-                }
-                self.tools.push(tool);
-                self.by_tool.push((explained, next_fit));
+                self.sticks.retain(|stick| stick.tool.limb != tool.limb);
+                let touches = Vec::from_iter(touches.into_iter().cloned());
+                self.sticks.push(HeldStick { tool, next_fit: 3 * touches.len() / 2, touches });
                 self.changes.push(BodyChange { touch: number, since: onset, what: What::Tool(tool) });
                 locked.watch.calm();
             }
@@ -380,7 +378,7 @@ impl Online {
                 let close = CLOSE_ENOUGH.max(SURPRISING * belief.deviation);
                 // Of the touches before, too: the body is the same, and had been learned wrongly.
                 let explains_all = change::closed(agent.skin(), &with_joint, &schema, close) > EXPLAINS_ALL;
-                if explains_all && locked.anchor.is_none() {
+                if explains_all && locked.prior.correlated.is_none() {
                     locked.belief.schema = schema;
                     let what = What::Corrected { joint, distance };
                     self.changes.push(BodyChange { touch: number, since: onset, what });
@@ -390,12 +388,12 @@ impl Online {
                 }
                 locked.belief.schema = schema;
                 locked.belief.doubt_position(joint, MOVED);
-                let Some(anchor) = locked.belief.anchor() else { return };
+                let Some(prior) = locked.belief.as_prior(agent.creature()) else { return };
                 locked.touches = TouchSet::default();
                 for watched in since {
                     locked.touches.push_prepared(agent.creature(), watched.limbs, watched.touch);
                 }
-                locked.anchor = Some(anchor);
+                locked.prior = prior;
                 locked.watch.calm();
                 let what = What::Joint { joint, distance };
                 self.changes.push(BodyChange { touch: number, since: onset, what });
@@ -411,8 +409,8 @@ impl Online {
     /// forgotten, and one that was but an error was none.
     fn is_one_body(&self) -> bool {
         let is_none = |change: &BodyChange| matches!(change.what, What::Beyond | What::Corrected { .. });
-        let has_anchor = self.locked.as_ref().is_some_and(|locked| locked.anchor.is_some());
-        !has_anchor && self.changes.iter().all(is_none)
+        let has_changed = self.locked.as_ref().is_some_and(|locked| locked.prior.correlated.is_some());
+        !has_changed && self.changes.iter().all(is_none)
     }
 
     /// Whether the last predictions held.
@@ -455,8 +453,8 @@ impl Online {
         let told = witnesses(&self.agent, &locked.touches, &belief.schema, |_| belief.deviation, false);
         let model = SurfaceGap::new(self.agent.skin(), belief.deviation);
         let mut problem = TouchProblem::new(self.agent.creature(), &told, &belief.parameters, model);
-        if let Some(anchor) = &locked.anchor {
-            problem = problem.with_prior(anchor);
+        if locked.prior.correlated.is_some() {
+            problem = problem.with_prior(&locked.prior);
         }
         let information = problem.linearize(&belief.schema).hessian;
         let rows = 5 * told.len();
@@ -552,8 +550,8 @@ impl Learner for Online {
         self.expectation
     }
 
-    fn schema(&self) -> Option<&BodySchema> {
-        self.belief().map(|belief| &belief.schema)
+    fn schema(&self) -> Option<Cow<'_, BodySchema>> {
+        self.belief().map(|belief| Cow::Borrowed(&belief.schema))
     }
 
     fn learn(&mut self) -> Learned {

@@ -7,11 +7,12 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, SMatrix, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::geometry::{Capsule, Frame, Gap, Precision, gap as gap_between};
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, quantile};
+use crate::learning::least_squares::{LeastSquares, Linearization, Stopping, levenberg_marquardt};
 use crate::learning::observability::Observability;
 use crate::learning::prediction::GapRow;
 use crate::learning::touch_set::PreparedTouch;
@@ -148,47 +149,16 @@ impl Tool {
     pub fn settled(&self, skin: &Skin, schema: &BodySchema, touches: &[&PreparedTouch]) -> Tool {
         let gaps = Gaps::of(self, skin, schema, touches);
         let mut tool = *self;
-        let mut found = gaps.of_tool(&tool);
-        if found.len() < 4 {
+        if gaps.of_tool(&tool).len() < 4 {
             return tool;
         }
-        let held = gaps.held();
-        let mut deviation = 0.05_f64;
-        let mut damping = 1e-3;
-        while deviation >= NARROWEST {
-            // Touches of the shaft alone leave the length open: then it is as short as they allow.
-            let cost = |tool: &Tool, found: &[f64]| -> f64 {
-                let gaps: f64 = found.iter().map(|gap| (gap / deviation / TAIL).powi(2).ln_1p()).sum();
-                TAIL * TAIL * gaps
-                    + (tool.tip - held).norm_squared() / (REACH * REACH)
-                    + (tool.grip - held).norm_squared() / (GRIP * GRIP)
-            };
-            for _ in 0..ITERATIONS {
-                let (mut hessian, mut gradient) = gaps.normal_equations(&tool, &found, deviation);
-                let [pull, hold] = [REACH, GRIP].map(|metres| (deviation / metres).powi(2));
-                for k in 0..3 {
-                    hessian[(k, k)] += pull;
-                    gradient[k] += pull * (tool.tip - held)[k];
-                    hessian[(3 + k, 3 + k)] += hold;
-                    gradient[3 + k] += hold * (tool.grip - held)[k];
-                }
-                let floor = 1e-6 * hessian.diagonal().amax().max(f64::MIN_POSITIVE);
-                for k in 0..PARAMETERS {
-                    hessian[(k, k)] += damping * hessian[(k, k)] + floor;
-                }
-                let Some(factor) = hessian.cholesky() else { break };
-                let trial = tool.moved(&-factor.solve(&gradient));
-                let after = gaps.of_tool(&trial);
-                if after.len() == found.len() && cost(&trial, &after) < cost(&tool, &found) {
-                    (tool, found, damping) = (trial, after, (0.1 * damping).max(1e-9));
-                } else {
-                    damping *= 10.0;
-                }
-            }
-            damping = damping.min(1.0);
+        let mut closing = Closing { held: gaps.held(), gaps, deviation: 0.05 };
+        while closing.deviation >= NARROWEST {
+            let stopping = Stopping { iterations: ITERATIONS, ..Stopping::default() };
+            tool = levenberg_marquardt(&mut closing, tool, stopping).state;
             // Where most touches are the shaft's, the few of the tip must not be taken for false ones at once.
-            let next = 1.5 * quantile(&sizes(&found), 0.6);
-            deviation = next.clamp(NARROWING * deviation, 0.5 * deviation);
+            let next = 1.5 * quantile(&sizes(&closing.gaps.of_tool(&tool)), 0.6);
+            closing.deviation = next.clamp(NARROWING * closing.deviation, 0.5 * closing.deviation);
         }
         tool
     }
@@ -220,25 +190,24 @@ impl Tool {
             count => quantile(&sizes(&by_tip), 0.68) * (count as f64 / spare).sqrt(),
         };
         let deviation = of_all.max(of_tip).max(TOUCH);
-        let (mut hessian, _) = gaps.normal_equations(self, &found, deviation);
+        let mut hessian = gaps.linearized(self, deviation).hessian;
         for k in 3..PARAMETERS {
-            hessian[(k, k)] += (deviation / if k < 6 { GRIP } else { RADIUS }).powi(2);
+            hessian[(k, k)] += if k < 6 { GRIP } else { RADIUS }.powi(-2);
         }
         let Some(factor) = hessian.cholesky() else { return f64::INFINITY };
         let inverse = factor.inverse();
-        let of_tip = inverse.fixed_rows::<3>(0);
-        let by_touches = deviation * deviation * of_tip.fixed_columns::<3>(0).trace();
+        let of_tip = inverse.rows(0, 3);
+        let by_touches = of_tip.columns(0, 3).trace();
         // An error of the body opens many gaps at once, and the tip follows all of them.
         let by_body = body.map_or(Some(0.0), |body| {
-            let shifts = DMatrix::from_iterator(3, PARAMETERS, of_tip.iter().copied())
-                * gaps.opened_by_body(self, &found, deviation, schema, &body.parameters);
+            let shifts = of_tip * gaps.opened_by_body(self, deviation, schema, &body.parameters);
             body.shift_covariance(&shifts).map(|covariance| covariance.trace())
         });
         let variance = by_touches + by_body.unwrap_or(f64::INFINITY);
         if variance.is_finite() && variance >= 0.0 { variance.sqrt() } else { f64::INFINITY }
     }
 
-    fn moved(&self, step: &SVector<f64, PARAMETERS>) -> Tool {
+    fn moved(&self, step: &DVector<f64>) -> Tool {
         let (tip, grip) = (self.tip + step.fixed_rows::<3>(0), self.grip + step.fixed_rows::<3>(3));
         Tool { tip, grip, radius: (self.radius + step[6]).clamp(0.0, 0.2), ..*self }
     }
@@ -247,8 +216,11 @@ impl Tool {
 /// The touches of a limb that holds a stick, with where limbs are in them.
 struct Gaps<'a> {
     skin: &'a Skin,
-    placed: Vec<(&'a PreparedTouch, usize, [Frame; 2])>,
+    placed: Vec<Placed<'a>>,
 }
+
+/// A touch, its side that is the limb's which holds the stick, and where both limbs are.
+type Placed<'a> = (&'a PreparedTouch, usize, [Frame; 2]);
 
 impl<'a> Gaps<'a> {
     fn of(tool: &Tool, skin: &'a Skin, schema: &BodySchema, touches: &[&'a PreparedTouch]) -> Gaps<'a> {
@@ -259,71 +231,60 @@ impl<'a> Gaps<'a> {
 
     /// Where the stick is held: the middle of the receptor that feels it, in the limb's frame, metres.
     fn held(&self) -> Vector3<f64> {
-        let at = |(touch, side, _): &(&PreparedTouch, usize, _)| {
-            self.skin.receptors[touch.ends[*side].receptor].position
-        };
+        let at = |(touch, side, _): &Placed| self.skin.receptors[touch.ends[*side].receptor].position;
         self.placed.first().map_or(Vector3::zeros(), at)
     }
 
     /// The gaps that a tool leaves open, metres.
     fn of_tool(&self, tool: &Tool) -> Vec<f64> {
-        let gap = |(touch, side, frames): &(&PreparedTouch, usize, [Frame; 2])| {
-            Some(tool.gap_at(self.skin, touch, *side, frames)?.distance)
-        };
+        let gap =
+            |(touch, side, frames): &Placed| Some(tool.gap_at(self.skin, touch, *side, frames)?.distance);
         self.placed.iter().filter_map(gap).collect()
     }
 
-    /// How each gap opens as the tool changes, and its Cauchy weight for a width in metres, at a tool whose gaps are given.
+    /// Each touch with its gap, how that opens as the tool changes, and its weight: Cauchy's, for a width in metres, 1/m².
     fn slopes(
         &self,
         tool: &Tool,
-        found: &[f64],
         deviation: f64,
-    ) -> impl Iterator<Item = (SVector<f64, PARAMETERS>, f64)> {
-        const STEP: f64 = 1e-7;
-        let shifted: Vec<Vec<f64>> = (0..PARAMETERS)
-            .map(|k| {
-                let mut step = SVector::zeros();
-                step[k] = STEP;
-                self.of_tool(&tool.moved(&step))
-            })
-            .collect();
-        let slopes = found.iter().enumerate().map(move |(i, gap)| {
-            let weight = 1.0 / (1.0 + (gap / deviation / TAIL).powi(2));
-            (SVector::from_fn(|k, _| (shifted[k][i] - gap) / STEP), weight)
-        });
-        slopes.collect::<Vec<_>>().into_iter()
+    ) -> impl Iterator<Item = (&Placed<'a>, Gap, DVector<f64>, f64)> {
+        self.placed.iter().filter_map(move |placed| {
+            let (touch, side, frames) = placed;
+            let gap = tool.gap_at(self.skin, touch, *side, frames)?;
+            let along = tool.tip - tool.grip;
+            let at = frames[*side].inverse_point(&gap.points[0]) - tool.grip;
+            let share = (at.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let normal = frames[*side].rotation.tr_mul(&gap.normal);
+            let of_radius = std::iter::once(-1.0);
+            let slope =
+                [share, 1.0 - share].into_iter().flat_map(|share| [0, 1, 2].map(|k| share * normal[k]));
+            let slope = DVector::from_iterator(PARAMETERS, slope.chain(of_radius));
+            let weight = 1.0 / (deviation.powi(2) + (gap.distance / TAIL).powi(2));
+            Some((placed, gap, slope, weight))
+        })
     }
 
-    /// `Jᵀ W J` and `Jᵀ W gaps` at a tool whose gaps are given, with Cauchy weights of a width in metres.
-    fn normal_equations(
-        &self,
-        tool: &Tool,
-        found: &[f64],
-        deviation: f64,
-    ) -> (SMatrix<f64, PARAMETERS, PARAMETERS>, SVector<f64, PARAMETERS>) {
-        let (mut hessian, mut gradient) = (SMatrix::zeros(), SVector::zeros());
-        for ((slope, weight), gap) in self.slopes(tool, found, deviation).zip(found) {
-            hessian += slope * slope.transpose() * weight;
-            gradient += slope * (weight * gap);
+    /// The normal equations of the gaps at a tool, for a width in metres.
+    fn linearized(&self, tool: &Tool, deviation: f64) -> Linearization {
+        let mut model = Linearization::nothing(PARAMETERS);
+        for (_, gap, slope, weight) in self.slopes(tool, deviation) {
+            model.hessian.ger(weight, &slope, &slope, 1.0);
+            model.gradient.axpy(weight * gap.distance, &slope, 1.0);
         }
-        (hessian, gradient)
+        model
     }
 
     /// `Jᵀ W G` with `G` how the gaps open with the schema's parameters, a column each.
     fn opened_by_body(
         &self,
         tool: &Tool,
-        found: &[f64],
         deviation: f64,
         schema: &BodySchema,
         parameters: &Parameters,
     ) -> DMatrix<f64> {
         let mut opened = DMatrix::zeros(PARAMETERS, parameters.len());
         let mut row = GapRow::default();
-        for ((slope, weight), (touch, side, frames)) in self.slopes(tool, found, deviation).zip(&self.placed)
-        {
-            let Some(gap) = tool.gap_at(self.skin, touch, *side, frames) else { continue };
+        for ((touch, side, frames), gap, slope, weight) in self.slopes(tool, deviation) {
             // The two places that meet, each in its limb's frame.
             let mut meeting = (*touch).clone();
             meeting.ends[*side].position = frames[*side].inverse_point(&gap.points[0]);
@@ -332,10 +293,46 @@ impl<'a> Gaps<'a> {
             row.set_miss(parameters, schema, &meeting, &along);
             for &(column, opens) in &row.entries {
                 let mut column = opened.column_mut(column);
-                column += slope * (weight * opens);
+                column.axpy(weight * opens, &slope, 1.0);
             }
         }
         opened
+    }
+}
+
+/// The problem of closing a stick's gaps at one width of these, metres.
+struct Closing<'a> {
+    gaps: Gaps<'a>,
+    /// Where the stick is held, in the limb's frame, metres.
+    held: Vector3<f64>,
+    deviation: f64,
+}
+
+impl LeastSquares for Closing<'_> {
+    type State = Tool;
+
+    fn linearize(&mut self, tool: &Tool) -> Linearization {
+        let mut model = self.gaps.linearized(tool, self.deviation);
+        for (first, at, metres) in [(0, tool.tip, REACH), (3, tool.grip, GRIP)] {
+            for k in 0..3 {
+                model.hessian[(first + k, first + k)] += metres.powi(-2);
+                model.gradient[first + k] += (at - self.held)[k] * metres.powi(-2);
+            }
+        }
+        Linearization { scale: model.hessian.diagonal(), cost: self.cost(tool), ..model }
+    }
+
+    /// Touches of the shaft alone leave the length open: then it is as short as they allow.
+    fn cost(&self, tool: &Tool) -> f64 {
+        let gaps = self.gaps.of_tool(tool);
+        let gaps: f64 = gaps.iter().map(|gap| (gap / self.deviation / TAIL).powi(2).ln_1p()).sum();
+        let known = (tool.tip - self.held).norm_squared() / (REACH * REACH)
+            + (tool.grip - self.held).norm_squared() / (GRIP * GRIP);
+        0.5 * (TAIL * TAIL * gaps + known)
+    }
+
+    fn step(&self, tool: &Tool, step: &DVector<f64>) -> Tool {
+        tool.moved(step)
     }
 }
 

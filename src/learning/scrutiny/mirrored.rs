@@ -17,7 +17,7 @@ use crate::learning::open_gaps::FELT;
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::TouchProblem;
-use crate::learning::{AxisModel, Parameters, PriorTerm};
+use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
 /// Hinges whose range is narrower than this hardly turn, radians.
