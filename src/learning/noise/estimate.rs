@@ -3,7 +3,7 @@
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Vector3};
 
-use super::adjusted::{Compared, NoisyGap};
+use super::gap::{Compared, NoisyGap};
 use crate::learning::Parameters;
 use crate::learning::annealing::{NARROWEST, NORMAL_MEDIAN, quantile};
 use crate::learning::prediction::{add_row, doubt_axes, invert, row_variance};

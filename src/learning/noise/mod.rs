@@ -18,8 +18,10 @@
 
 mod adjusted;
 mod estimate;
+mod gap;
 mod problem;
 
-pub use adjusted::{Adjusted, Compared, NoisyGap, gaps_of};
+pub use adjusted::{Adjusted, gaps_of};
 pub use estimate::{Noise, information, likeness};
+pub use gap::{Compared, NoisyGap};
 pub use problem::NoisyProblem;

@@ -3,8 +3,9 @@
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-use super::adjusted::{Adjusted, Compared, NoisyGap, gaps_of};
+use super::adjusted::{Adjusted, gaps_of};
 use super::estimate::{Eliminated, MixedSystem, Noise};
+use super::gap::{Compared, NoisyGap};
 use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::learning::Parameters;
