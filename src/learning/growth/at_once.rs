@@ -2,7 +2,7 @@
 //!
 //! Touches in which everything moves tell most: of few unknowns all are learned from little more touches than there are unknowns.
 //! Random initial guesses of so many seldom find their answer. So the best answer so far is kept, right or not, and made better as
-//! touches come: it goes on from where it was, and from where it was but for those joints whose touches it leaves farthest
+//! touches come: it goes on from where it was, and from where it was but for those joints whose touches it leaves widest
 //! apart, which are drawn anew. By such an answer it can be foretold what a motion will touch, and what that would tell.
 
 use nalgebra::DMatrix;
@@ -14,10 +14,9 @@ use super::Growth;
 use super::solving::{AT_ONCE, PartProblem, Solved};
 use crate::deadline::in_parallel;
 use crate::kinematics::limb_frames;
-use crate::learning::annealing::{HOPELESS, usual_miss};
+use crate::learning::annealing::{HOPELESS, NARROWEST, gaps, quantile, usual_miss};
 use crate::learning::initial_guess::randomize_joint;
 use crate::learning::prediction::{GapRow, add_row, information_inverse};
-use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::LimbTouch;
 use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
@@ -79,23 +78,26 @@ impl Growth {
         grown
     }
 
-    /// A better answer for a part than the best so far: from where that was, or from there but for some joints.
+    /// A better answer for a part than the best so far: from where that was, or from there but for some joints. Receptors that meet
+    /// lead to where all of them do; surfaces that close keep what of an answer is right already.
     fn improved(&mut self, problem: &PartProblem) -> Solved {
         self.solves += 1;
         let mut best = self.gone_on(problem, problem.base.clone());
         if !best.closes_all() && !self.deadline.has_passed() {
-            let apart = self.apart(problem, &best.schema);
-            let (mut left, blame) = (apart.iter().sum::<f64>(), self.blame(problem, &apart));
+            let (mut left, blame) = (self.apart(problem, &best.schema), self.blame(problem, &best.schema));
             let hopeless = HOPELESS.min(NO_BETTER * usual_miss(&problem.touches, &best.schema));
-            let made: Vec<Solved> = in_parallel((0..AT_ONCE).collect(), |number| {
+            let made: Vec<Solved> = in_parallel((0..2 * AT_ONCE).collect(), |number| {
                 let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
                 rng.set_stream((self.solves << 16) + number as u64);
-                let redrawn = self.redrawn(problem, &best.schema, &blame, number, &mut rng);
-                self.start_from(problem, redrawn, number, hopeless)
+                let mut redrawn = |many| self.redrawn(problem, &best.schema, &blame, many, &mut rng);
+                match number.checked_sub(AT_ONCE) {
+                    None => self.start_from(problem, redrawn(number), number, hopeless),
+                    Some(beyond) => self.gone_on(problem, redrawn(beyond + 1)),
+                }
             });
             self.starts += made.len();
             for other in made {
-                let of_other = self.apart(problem, &other.schema).iter().sum();
+                let of_other = self.apart(problem, &other.schema);
                 // One that closes all may have receptors a little farther apart.
                 let [closes, before] = [&other, &best].map(Solved::closes_all);
                 if closes && !before || closes == before && of_other < left {
@@ -129,23 +131,25 @@ impl Growth {
 
     /// How far apart a schema leaves the touches that a part is solved by: the gap of the surfaces, and how far receptors are from each
     /// other. What is false or far off counts little more than others.
-    fn apart(&self, problem: &PartProblem, schema: &BodySchema) -> Vec<f64> {
-        let model = SurfaceGap::new(self.agent.skin(), 1.0);
+    fn apart(&self, problem: &PartProblem, schema: &BodySchema) -> f64 {
         let of = |&number: &usize| {
             let touch = &self.touches[number].told.prepared;
-            let gap = model.gap(&touch.ends, &touch.frames(schema)).distance;
+            let gap = touch.gap(self.agent.skin(), schema).distance;
             (gap / GAP).powi(2).ln_1p() + (touch.miss(schema).norm() / APART).powi(2).ln_1p()
         };
-        problem.solved_by.iter().map(of).collect()
+        problem.solved_by.iter().map(of).sum()
     }
 
-    /// Per joint, how far apart a schema leaves the touches of a part in which it moved, on average.
-    fn blame(&self, problem: &PartProblem, apart: &[f64]) -> Vec<f64> {
+    /// Per joint, how wide a schema leaves the gaps of a part's touches in which it moved, on average, beside half of all gaps.
+    fn blame(&self, problem: &PartProblem, schema: &BodySchema) -> Vec<f64> {
+        let skin = self.agent.skin();
+        let usual = quantile(&gaps(skin, &problem.touches, schema), 0.5).clamp(NARROWEST, GAP);
         let mut blame = vec![(0.0, f64::MIN_POSITIVE); self.resolved.len()];
-        for (&number, apart) in problem.solved_by.iter().zip(apart) {
-            for &joint in &self.touches[number].told.moving {
+        for touch in problem.solved_by.iter().map(|&number| &self.touches[number].told) {
+            let gap = touch.prepared.gap(skin, schema).distance;
+            for &joint in &touch.moving {
                 let (sum, count) = &mut blame[joint];
-                *sum += apart;
+                *sum += (gap / usual).powi(2).ln_1p();
                 *count += 1.0;
             }
         }
