@@ -54,7 +54,7 @@ pub use interaction::{
 pub use kinematics::Place;
 pub use peripersonal::{
     CollisionChecker, Level, LimbGoal, LimbPosture, Obstacle, OutOfReach, OwnBody, PosturePath, Reach,
-    ReachPlan, ReachTarget, ReachableMap, Reaching, find_path, limb_posture,
+    ReachPlan, ReachTarget, ReachableMap, Reaching, TablePlane, find_path, limb_posture,
 };
 pub use simulation::{AgentHandle, ProbePath, Stage, StageOptions, StepSenses, Substance, Thing};
 
