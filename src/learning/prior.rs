@@ -104,17 +104,18 @@ impl Prior {
         }
     }
 
-    /// `½ Σ (difference / deviation)²` over free parameters.
+    /// `½ Σ (difference / deviation)²` over free parameters, and `½ dᵀ Λ d` of what is known together.
     pub fn cost(&self, parameters: &Parameters, schema: &BodySchema) -> f64 {
-        let terms = self.terms(parameters, schema);
-        let squares: f64 = terms.map(|term| term.weight.dot(&term.miss.component_mul(&term.miss))).sum();
-        0.5 * squares + self.correlated.as_ref().map_or(0.0, |known| known.cost(schema))
+        let independent: f64 = self.terms(parameters, schema).map(|term| term.cost()).sum();
+        independent + self.correlated.as_ref().map_or(0.0, |known| known.cost(schema))
     }
 
     /// Adds it to normal equations, its cost included.
     pub fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        model.cost += self.cost(parameters, schema);
-        for Term { place, size, weight, slope, .. } in self.terms(parameters, schema) {
+        let mut cost = 0.0;
+        for term in self.terms(parameters, schema) {
+            cost += term.cost();
+            let Term { place, size, weight, slope, .. } = term;
             for i in 0..size {
                 model.hessian[(place + i, place + i)] += weight[i];
                 model.scale[place + i] += weight[i];
@@ -122,8 +123,9 @@ impl Prior {
             }
         }
         if let Some(known) = &self.correlated {
-            known.add(parameters, schema, model);
+            cost += known.add(parameters, schema, model);
         }
+        model.cost += cost;
     }
 
     /// The positions and axes among parameters, and how far they are from the mean in a schema.
@@ -158,6 +160,12 @@ struct Term {
     weight: Vector3<f64>,
     /// The same distance in its parameters.
     slope: Vector3<f64>,
+}
+
+impl Term {
+    fn cost(&self) -> f64 {
+        0.5 * self.weight.dot(&self.miss.component_mul(&self.miss))
+    }
 }
 
 /// A Gaussian about a schema with a full information matrix over some of its parameters.
@@ -199,9 +207,11 @@ impl CorrelatedPrior {
         0.5 * difference.dot(&(&self.information * &difference))
     }
 
-    /// Adds it to normal equations, but for its cost.
-    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) {
-        let mut pull = &self.information * self.difference(schema);
+    /// Adds it to normal equations, but for its cost, which it returns.
+    fn add(&self, parameters: &Parameters, schema: &BodySchema, model: &mut Linearization) -> f64 {
+        let difference = self.difference(schema);
+        let mut pull = &self.information * &difference;
+        let cost = 0.5 * difference.dot(&pull);
         let mut information = self.information.clone();
         // The present basis of an axis may not be the one about the mean.
         for (axis, offset) in self.parameters.axes.iter().enumerate() {
@@ -225,6 +235,7 @@ impl CorrelatedPrior {
                 model.hessian[(other_to, to)] += information[(other_from, from)];
             }
         }
+        cost
     }
 }
 

@@ -12,6 +12,7 @@ pub(crate) mod files;
 mod folder;
 mod in_memory;
 mod learned_session;
+mod learning_options;
 mod learning_record;
 mod log;
 mod mistaken;
@@ -20,6 +21,7 @@ mod recording;
 mod request;
 mod robot;
 mod schema;
+mod session_body;
 mod session_file;
 mod space;
 mod stamp;
@@ -28,12 +30,13 @@ mod touch_log;
 
 pub use account::RecordedAccount;
 pub use babbling::{BabbledSession, BabblingSession, Provenance};
-pub use embodied::{Embodied, ModelSource, model_hash, own_body};
-pub(crate) use embodied::{hands, learned_body, same_tree, session_body, skin_for};
+pub(crate) use embodied::skin_for;
+pub use embodied::{Embodied, ModelSource};
 pub(crate) use files::{MadeFolders, PartFile, folder_of, write_whole};
 pub use folder::{FolderLock, ReadLock};
 pub use in_memory::{Babbled, LearnedBody};
 pub use learned_session::{LearnedSession, learn_session};
+pub use learning_options::{DisturbanceLevels, LearningOptions};
 pub use learning_record::{
     Checkpoint, LearningRecord, LearningRow, read_learning_table, write_learning_table,
 };
@@ -42,7 +45,7 @@ pub(crate) use mistaken::{for_model as mistaken_for_model, is_model};
 pub use observer::{LearningStep, Observer, Phase};
 pub use recording::{CreatureFile, Recording, read_creature, read_recording};
 pub(crate) use request::{BABBLING_SHARE, LEARNING_SHARE};
-pub use request::{DisturbanceLevels, LearningOptions, SessionRequest, SessionSetup};
+pub use request::{SessionRequest, SessionSetup};
 pub use robot::simulated;
 pub use robot::{
     CalibrationLog, RobotFile, RobotFormat, Written, add_fixed_places, calibration_table, is_mjcf,
@@ -50,6 +53,8 @@ pub use robot::{
 };
 pub(crate) use robot::{joint_cells, joint_titles, json_of, length, name_of, set_prior};
 pub use schema::{read_known, read_schema, read_schema_with_std, write_schema};
+pub(crate) use session_body::{hands, learned_body, same_tree, session_body};
+pub use session_body::{model_hash, own_body};
 pub use session_file::{BabblingEffort, BabblingProgress, Host, RecordingFiles, Session, SessionOptions};
 pub use space::{SpaceRecord, SpaceSlice};
 pub use strokes::{StrokedSession, read_firings, read_map, record_strokes, write_firings, write_map};

@@ -274,7 +274,7 @@ impl Actor {
         Ok(!met.is_empty())
     }
 
-    /// Postures on a straight way of a receptor's place up, or down, as far as the arm goes.
+    /// Postures on a straight way of a receptor's place up, or down, until the arm reaches no farther.
     pub(super) fn upwards(&mut self, receptor: usize, by: f64) -> Vec<Posture> {
         let Some(hand) = self.arm_of(receptor) else { return Vec::new() };
         let arm = self.hands[hand].arm.clone();

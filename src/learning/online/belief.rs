@@ -59,7 +59,7 @@ pub struct Expectation {
 
 impl Belief {
     /// A belief; its covariance is that of `information`, the normal equations at the schema (lower
-    /// triangle). None where rounding makes them unusable.
+    /// triangle). `None` if rounding makes them unusable.
     pub fn new(
         schema: BodySchema,
         parameters: Parameters,
@@ -71,8 +71,8 @@ impl Belief {
         Some(Belief { schema, parameters, covariance, deviation, row: GapRow::default(), product })
     }
 
-    /// What touches of a gap deviation (metres) and a prior determine of parameters at a schema that was fitted to them. None where
-    /// rounding forbids.
+    /// What touches of a gap deviation (metres) and a prior determine of parameters at a schema that was fitted to them. `None` if
+    /// rounding forbids it.
     pub fn at(
         agent: &Agent,
         touches: &TouchSet,
@@ -88,7 +88,7 @@ impl Belief {
     }
 
     /// The belief that all touches give when they are fitted again from this one, to have every derivative where the schema is
-    /// now. None where rounding forbids.
+    /// now. `None` if rounding forbids it.
     pub fn fitted_again(&self, agent: &Agent, touches: &TouchSet, prior: &Prior) -> Option<Belief> {
         let (schema, deviation) =
             fit_again(agent, touches, &self.parameters, prior, self.schema.clone(), self.deviation);
@@ -161,13 +161,13 @@ impl Belief {
         }
     }
 
-    /// The belief as all that is known before a fit to other touches. None where rounding forbids.
+    /// The belief as all that is known before a fit to other touches. `None` if rounding forbids it.
     pub fn as_prior(&self, creature: &Creature) -> Option<Prior> {
         let correlated = Some(self.marginal(self.parameters.clone())?);
         Some(Prior { correlated, ..Prior::size(creature, f64::INFINITY) })
     }
 
-    /// What is known of some parameters, whatever the others are. None where rounding forbids.
+    /// What is known of some parameters, whatever the others are. `None` if rounding forbids it.
     pub fn marginal(&self, parameters: Parameters) -> Option<CorrelatedPrior> {
         let places = parameters.places_in(&self.parameters);
         let chosen: Vec<usize> = places.iter().map(|(_, there)| *there).collect();

@@ -67,7 +67,7 @@ pub struct Stop {
     pub hand: usize,
     /// The place of the hand that is lowest.
     pub sole: Place,
-    /// Postures straight up from where it is low over the table, as far as it goes; the first is the low one.
+    /// Postures straight up from where it is low over the table, until it reaches no farther; the first is the low one.
     pub rising: Vec<Posture>,
     /// Where the sole is when it is low, forward and to the left, metres.
     pub at: [f64; 2],
