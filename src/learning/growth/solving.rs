@@ -118,7 +118,7 @@ impl Growth {
         let numbers: Vec<usize> = (0..starts).collect();
         let mut solved: Vec<Solved> = Vec::new();
         for wave in numbers.chunks(AT_ONCE) {
-            let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number));
+            let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number, HOPELESS));
             self.starts += made.len();
             solved.extend(made);
             let good = solved.iter().any(Solved::closes_all);
@@ -235,18 +235,18 @@ impl Growth {
     }
 
     /// One start: the receptors' places, or the contact points, as points with relaxed axes, which is cheap, and only from what
-    /// comes near them the surfaces.
-    fn start(&self, problem: &PartProblem, number: usize) -> Solved {
+    /// comes near them the surfaces; no further where the points miss by so many deviations in half of all touches.
+    pub(super) fn start(&self, problem: &PartProblem, number: usize, hopeless: f64) -> Solved {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream((self.solves << 16) + number as u64);
         let guess = match self.belief.is_none() {
             true => self.first_guess(problem, &mut rng),
             false => self.guess(problem, number, &mut rng),
         };
-        self.start_from(problem, guess, number, HOPELESS)
+        self.start_from(problem, guess, number, hopeless)
     }
 
-    /// The same from an initial guess, but no further where its points miss by so many deviations in half of all touches.
+    /// The same from an initial guess.
     pub(super) fn start_from(
         &self,
         problem: &PartProblem,
