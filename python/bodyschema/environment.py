@@ -11,6 +11,7 @@ An action is a target for each coordinate of the posture: radians of hinges, met
 Servos move the joints there under gravity, at 1.25 rad/s at most. Limbs press on each other; the root is fixed. An observation is
 a row of float32: the D coordinates of the posture, then the force on each of the R receptors of the skin in newtons, in the order
 of `Creature.receptors`. The reward is the number of receptors that are touched for the first time in the episode.
+`info["touches"]` has the pairs of receptors that press on each other: (K, 2), rows of `Creature.receptors`.
 """
 
 from __future__ import annotations
@@ -71,12 +72,12 @@ class _Crowd:
         self.touched[which] = False
         return np.hstack([postures, np.zeros((len(which), self.touched.shape[1]))]).astype(np.float32)
 
-    def step(self, actions: ArrayLike) -> tuple[_Floats, NDArray[np.float64]]:
-        observations = self.open().step(actions, self.skip)
+    def step(self, actions: ArrayLike) -> tuple[_Floats, NDArray[np.float64], NDArray[np.int64]]:
+        observations, touches = self.open().step(actions, self.skip)
         touching = observations[:, len(self.start) :] > 0
         new = touching & ~self.touched
         self.touched |= touching
-        return observations, new.sum(axis=1).astype(np.float64)
+        return observations, new.sum(axis=1).astype(np.float64), touches
 
 
 def _posture_of(options: _Info | None) -> ArrayLike | None:
@@ -113,8 +114,8 @@ class SelfTouch(gym.Env[_Floats, _Floats]):
 
     def step(self, action: ArrayLike) -> tuple[_Floats, float, bool, bool, _Info]:
         """Moves towards a posture, (D,)."""
-        observations, rewards = self._crowd.step(np.asarray(action)[None])
-        return observations[0], float(rewards[0]), False, False, {}
+        observations, rewards, touches = self._crowd.step(np.asarray(action)[None])
+        return observations[0], float(rewards[0]), False, False, {"touches": touches[:, 1:]}
 
     def close(self) -> None:
         """Frees its memory."""
@@ -166,13 +167,18 @@ class SelfTouchVector(VectorEnv[_Floats, _Floats, NDArray[Any]]):
 
     def step(self, actions: ArrayLike) -> tuple[_Floats, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], _Info]:
         """Moves all of them towards postures, (num_envs, D)."""
-        observations, rewards = self._crowd.step(actions)
+        observations, rewards, touches = self._crowd.step(actions)
         over = np.flatnonzero(self._steps >= self._most_steps)
         self._steps += 1
         if len(over):
             observations[over] = self._crowd.place(over.tolist(), [self._generators[i] for i in over])
             rewards[over], self._steps[over] = 0, 0
-        return observations, rewards, np.zeros(self.num_envs, bool), self._steps >= self._most_steps, {}
+            touches = touches[~np.isin(touches[:, 0], over)]
+        of_each = np.empty(self.num_envs, object)
+        for i, pairs in enumerate(np.split(touches[:, 1:], np.searchsorted(touches[:, 0], range(1, self.num_envs)))):
+            of_each[i] = pairs
+        info = {"touches": of_each, "_touches": np.ones(self.num_envs, bool)}
+        return observations, rewards, np.zeros(self.num_envs, bool), self._steps >= self._most_steps, info
 
     def close_extras(self, **kwargs: Any) -> None:
         """Frees their memory."""
