@@ -1,7 +1,7 @@
 """Compares the Python package with what its users would write otherwise: `python benches/python.py [MIMO_SCENE.xml]`.
 
-Needs the package, and `pip install gymnasium mujoco pin cmeel-eigen`; the C++ of Pinocchio is compiled by g++. Each line is measured
-in turn in one run, the best of several. Given a scene of MIMo, its environment is measured as well.
+Needs the package, `pip install gymnasium mujoco pin cmeel-eigen`, and g++ for the C++ of Pinocchio. Both sides of a line are
+measured in turn in one run, each by the best of several rounds. Given a scene of MIMo, its environment is measured as well.
 """
 
 import subprocess
@@ -15,9 +15,10 @@ from typing import Any
 
 import bodyschema as bs
 import bodyschema.environment
-import mujoco
 import numpy as np
 import pinocchio
+
+import mujoco
 
 #: Postures whose poses and Jacobians are computed.
 POSTURES = 1000
@@ -166,7 +167,19 @@ def kinematics() -> None:
         include = [f"-I{prefix / 'include'}", f"-I{prefix / 'include' / 'eigen3'}"]
         libraries = [f"-L{prefix / 'lib'}", f"-Wl,-rpath,{prefix / 'lib'}", "-lpinocchio_parsers", "-lpinocchio_default"]
         subprocess.run(
-            ["g++", "-std=c++17", "-O3", "-march=native", "-DNDEBUG", *include, str(source), "-o", str(program), *libraries, "-pthread"],
+            [
+                "g++",
+                "-std=c++17",
+                "-O3",
+                "-march=native",
+                "-DNDEBUG",
+                *include,
+                str(source),
+                "-o",
+                str(program),
+                *libraries,
+                "-pthread",
+            ],
             check=True,
         )
         command = [str(program), str(urdf), str(numbers), str(POSTURES), *limbs]
@@ -177,7 +190,7 @@ def kinematics() -> None:
 
 
 def mujoco_touches(path: str, names: list[str], count: int) -> int:
-    """Touches found by going straight from the middle to random postures, and by bisection where limbs first overlap; the number."""
+    """Goes straight from the middle to random postures; bisection finds where limbs first overlap, until there are so many."""
     model = mujoco.MjModel.from_xml_path(path)
     data = mujoco.MjData(model)
     joints = [model.joint(name).id for name in names]

@@ -48,6 +48,7 @@ class _Crowd:
         self.skip = round(_ACTION_TIME / self.crowd.timestep) if frame_skip is None else frame_skip
         if self.skip < 1:
             raise ValueError(f"frame_skip: it is {frame_skip}: give a number from 1 on")
+        self.action_time = self.skip * self.crowd.timestep
         self.start, self.ranges = self.crowd.start, self.creature.ranges
         # A quaternion is left as it is.
         moves = np.array([not name.endswith((".w", ".x", ".y", ".z")) for name in self.creature.coordinates])
@@ -96,6 +97,9 @@ class SelfTouch(gym.Env[_Floats, _Floats]):
         As of `Creature`.
     frame_skip : int, optional
         Steps of the physics per action. By default those of 10 ms.
+
+    Its attribute `creature` is the creature, `start` the posture near which episodes begin, (D,), and `action_time` the time from
+    one action to the next, seconds.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012
@@ -104,7 +108,7 @@ class SelfTouch(gym.Env[_Floats, _Floats]):
         self, model: str | os.PathLike[str] = "max", *, joints: str | None = None, frame_skip: int | None = None
     ) -> None:
         self._crowd = _Crowd(model, joints, frame_skip, 1)
-        self.creature = self._crowd.creature
+        self.creature, self.start, self.action_time = self._crowd.creature, self._crowd.start, self._crowd.action_time
         self.observation_space, self.action_space = self._crowd.observation_space, self._crowd.action_space
 
     def reset(self, *, seed: int | None = None, options: _Info | None = None) -> tuple[_Floats, _Info]:
@@ -147,7 +151,8 @@ class SelfTouchVector(VectorEnv[_Floats, _Floats, NDArray[Any]]):
         max_episode_steps: int | None = None,
     ) -> None:
         self._crowd = _Crowd(model, joints, frame_skip, num_envs)
-        self.creature, self.num_envs = self._crowd.creature, num_envs
+        self.creature, self.start, self.action_time = self._crowd.creature, self._crowd.start, self._crowd.action_time
+        self.num_envs = num_envs
         self.single_observation_space, self.single_action_space = self._crowd.observation_space, self._crowd.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
