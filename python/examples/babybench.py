@@ -149,7 +149,7 @@ class Recall:
                     self.released[hand] = time + round(RELEASE_TIME / self.step_time)
             if hand not in self.attempts and time >= self.released[hand]:
                 self.attempt(hand, now, time)
-        target = self.rest.copy()
+        target: NDArray[np.float64] = self.rest.copy()
         for attempt in self.attempts.values():
             target[attempt.joints] = attempt.aim[attempt.joints]
         return target
