@@ -41,7 +41,10 @@ RELEASE_TIME = 0.3
 
 
 def touched(creature: bs.Creature, touches: ArrayLike, hands: Iterable[str] = HANDS) -> set[Pair]:
-    """The geoms that hands touch, of pairs of receptors (K, 2)."""
+    """The geoms that hands touch, of pairs of receptors (K, 2).
+
+    BabyBench's own code counts what both hands touch of each other for the right one alone: at most 60 by it.
+    """
     limbs, geoms = creature.receptors["limb"], creature.receptors["geom"]
     both = np.asarray(touches).reshape(-1, 2)
     return {(limbs[a], int(geoms[b])) for a, b in np.vstack([both, both[:, ::-1]]) if limbs[a] in hands}
@@ -131,13 +134,16 @@ class Recall:
         self.released = dict.fromkeys(self.hands, 0)
         self.past: list[NDArray[np.float64]] = []
 
-    def act(self, posture: ArrayLike, touches: set[Pair]) -> NDArray[np.float64]:
-        """The posture to go to, (D,), from the present one and what touches there."""
-        now, time = np.asarray(posture, float), len(self.past)
-        self.past.append(now)
+    def feel(self, posture: ArrayLike, touches: set[Pair]) -> None:
+        """Takes note of what touches in the present posture."""
         for pair in touches - self.felt:
             self.felt.add(pair)
-            self.remember(pair, now, felt=1.0)
+            self.remember(pair, posture, felt=1.0)
+
+    def act(self, posture: ArrayLike) -> NDArray[np.float64]:
+        """The posture to go to from the present one, (D,)."""
+        now, time = np.asarray(posture, float), len(self.past)
+        self.past.append(now)
         for hand in self.hands:
             attempt = self.attempts.get(hand)
             if attempt is not None and self.over(attempt, time):
@@ -194,11 +200,11 @@ def episode(env: SelfTouch, policy: Recall, seed: int, steps: int = 1000) -> set
     observation, _ = env.reset(seed=seed)
     policy.begin()
     width = len(policy.rest)
-    touches: set[Pair] = set()
     found: set[Pair] = set()
     for _ in range(steps):
-        observation, _, _, _, info = env.step(policy.act(observation[:width], touches))
+        observation, _, _, _, info = env.step(policy.act(observation[:width]))
         touches = touched(env.creature, info["touches"], policy.hands)
+        policy.feel(observation[:width], touches)
         found |= touches
     return found
 
@@ -231,7 +237,8 @@ class StarterKit:
         for coordinate, place in self.observed:
             posture[coordinate] = obs["observation"][place]
         touches = {(hand, int(geom)) for hand in HANDS for geom in info.get(f"{hand}_touches", [])}
-        target = self.recall.act(posture, touches)
+        self.recall.feel(posture, touches)
+        target = self.recall.act(posture)
         # The positional model jumps to its target, so that it is led there.
         return np.clip(target, posture - self.reach, posture + self.reach)[self.actuated].astype(np.float32)
 

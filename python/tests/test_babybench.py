@@ -59,7 +59,8 @@ def test_recalling_touches_and_resting_does_not(example: Any, env: Any, policy: 
     class Still:
         rest, hands = env.start, example.HANDS
         begin = staticmethod(lambda: None)
-        act = staticmethod(lambda posture, touches: env.start)
+        feel = staticmethod(lambda posture, touches: None)
+        act = staticmethod(lambda posture: env.start)
 
     assert example.episode(env, Still(), 1, STEPS) == set()
 
