@@ -248,7 +248,7 @@ def main() -> None:
     parser.add_argument("scene", help="MIMo's selfbody_scene.xml")
     parser.add_argument("--frame-skip", type=int, default=50, help="steps of the physics per action")
     parser.add_argument("--touches", type=int, default=100_000, help="touches that are babbled at random")
-    parser.add_argument("--practice", type=int, default=40, help="episodes in which the policy learns")
+    parser.add_argument("--practice", type=int, default=20, help="episodes in which the policy learns")
     parser.add_argument("--episodes", type=int, default=5, help="episodes that are measured")
     options = parser.parse_args()
 

@@ -39,7 +39,8 @@ struct Driven {
 impl Driven {
     /// A creature at rest in its start posture.
     fn new(shared: Arc<Shared>) -> Result<Driven, Fault> {
-        let mut driven = Driven { data: Data::new(shared.servo.levels[0].clone())?, shared, contacts: Vec::new() };
+        let mut driven =
+            Driven { data: Data::new(shared.servo.levels[0].clone())?, shared, contacts: Vec::new() };
         let start = driven.shared.contact.start.clone();
         driven.place(&start)?;
         Ok(driven)
@@ -84,7 +85,9 @@ impl Driven {
 
     /// The pairs of its receptors that press on each other.
     fn touches(&self) -> impl Iterator<Item = [usize; 2]> {
-        self.contacts.iter().filter_map(|contact| Some([contact.spot, contact.by.own()?].map(|spot| spot.receptor)))
+        self.contacts
+            .iter()
+            .filter_map(|contact| Some([contact.spot, contact.by.own()?].map(|spot| spot.receptor)))
     }
 }
 
