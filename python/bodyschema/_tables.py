@@ -13,12 +13,21 @@ _SHOWN = 10
 
 
 class Table(dict[str, Any]):
-    """A table as a dictionary of columns, NumPy arrays of one length: `pandas.DataFrame(table)`, `polars.DataFrame(table)`."""
+    """A table as a dictionary of columns, NumPy arrays of one length: `pandas.DataFrame(table)`, `polars.DataFrame(table)`.
+
+    With pyarrow installed it is an Arrow stream as well: `pyarrow.table(table)`, and whatever else reads those.
+    """
 
     @property
     def rows(self) -> int:
         """The number of rows."""
         return len(next(iter(self.values()), ()))
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The table by Arrow's PyCapsule protocol."""
+        import pyarrow
+
+        return pyarrow.table(dict(self)).__arrow_c_stream__(requested_schema)
 
     def _repr_html_(self) -> str:
         def cell(value: Any) -> str:

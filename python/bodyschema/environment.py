@@ -11,6 +11,7 @@ An action is a target for each coordinate of the posture: radians of hinges, met
 Servos move the joints there under gravity, at 1.25 rad/s at most. Limbs press on each other; the root is fixed. An observation is
 a row of float32: the D coordinates of the posture, then the force on each of the R receptors of the skin in newtons, in the order
 of `Creature.receptors`. The reward is the number of receptors that are touched for the first time in the episode.
+`info["touches"]` has the pairs of receptors that press on each other: (K, 2), rows of `Creature.receptors`.
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ class _Crowd:
         self.skip = round(_ACTION_TIME / self.crowd.timestep) if frame_skip is None else frame_skip
         if self.skip < 1:
             raise ValueError(f"frame_skip: it is {frame_skip}: give a number from 1 on")
+        self.action_time = self.skip * self.crowd.timestep
         self.start, self.ranges = self.crowd.start, self.creature.ranges
         # A quaternion is left as it is.
         moves = np.array([not name.endswith((".w", ".x", ".y", ".z")) for name in self.creature.coordinates])
@@ -71,12 +73,12 @@ class _Crowd:
         self.touched[which] = False
         return np.hstack([postures, np.zeros((len(which), self.touched.shape[1]))]).astype(np.float32)
 
-    def step(self, actions: ArrayLike) -> tuple[_Floats, NDArray[np.float64]]:
-        observations = self.open().step(actions, self.skip)
+    def step(self, actions: ArrayLike) -> tuple[_Floats, NDArray[np.float64], NDArray[np.int64]]:
+        observations, touches = self.open().step(actions, self.skip)
         touching = observations[:, len(self.start) :] > 0
         new = touching & ~self.touched
         self.touched |= touching
-        return observations, new.sum(axis=1).astype(np.float64)
+        return observations, new.sum(axis=1).astype(np.float64), touches
 
 
 def _posture_of(options: _Info | None) -> ArrayLike | None:
@@ -95,6 +97,9 @@ class SelfTouch(gym.Env[_Floats, _Floats]):
         As of `Creature`.
     frame_skip : int, optional
         Steps of the physics per action. By default those of 10 ms.
+
+    Its attribute `creature` is the creature, `start` the posture near which episodes begin, (D,), and `action_time` the time from
+    one action to the next, seconds.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012
@@ -103,7 +108,7 @@ class SelfTouch(gym.Env[_Floats, _Floats]):
         self, model: str | os.PathLike[str] = "max", *, joints: str | None = None, frame_skip: int | None = None
     ) -> None:
         self._crowd = _Crowd(model, joints, frame_skip, 1)
-        self.creature = self._crowd.creature
+        self.creature, self.start, self.action_time = self._crowd.creature, self._crowd.start, self._crowd.action_time
         self.observation_space, self.action_space = self._crowd.observation_space, self._crowd.action_space
 
     def reset(self, *, seed: int | None = None, options: _Info | None = None) -> tuple[_Floats, _Info]:
@@ -113,8 +118,8 @@ class SelfTouch(gym.Env[_Floats, _Floats]):
 
     def step(self, action: ArrayLike) -> tuple[_Floats, float, bool, bool, _Info]:
         """Moves towards a posture, (D,)."""
-        observations, rewards = self._crowd.step(np.asarray(action)[None])
-        return observations[0], float(rewards[0]), False, False, {}
+        observations, rewards, touches = self._crowd.step(np.asarray(action)[None])
+        return observations[0], float(rewards[0]), False, False, {"touches": touches[:, 1:]}
 
     def close(self) -> None:
         """Frees its memory."""
@@ -146,7 +151,8 @@ class SelfTouchVector(VectorEnv[_Floats, _Floats, NDArray[Any]]):
         max_episode_steps: int | None = None,
     ) -> None:
         self._crowd = _Crowd(model, joints, frame_skip, num_envs)
-        self.creature, self.num_envs = self._crowd.creature, num_envs
+        self.creature, self.start, self.action_time = self._crowd.creature, self._crowd.start, self._crowd.action_time
+        self.num_envs = num_envs
         self.single_observation_space, self.single_action_space = self._crowd.observation_space, self._crowd.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -166,13 +172,18 @@ class SelfTouchVector(VectorEnv[_Floats, _Floats, NDArray[Any]]):
 
     def step(self, actions: ArrayLike) -> tuple[_Floats, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], _Info]:
         """Moves all of them towards postures, (num_envs, D)."""
-        observations, rewards = self._crowd.step(actions)
+        observations, rewards, touches = self._crowd.step(actions)
         over = np.flatnonzero(self._steps >= self._most_steps)
         self._steps += 1
         if len(over):
             observations[over] = self._crowd.place(over.tolist(), [self._generators[i] for i in over])
             rewards[over], self._steps[over] = 0, 0
-        return observations, rewards, np.zeros(self.num_envs, bool), self._steps >= self._most_steps, {}
+            touches = touches[~np.isin(touches[:, 0], over)]
+        of_each = np.empty(self.num_envs, object)
+        for i, pairs in enumerate(np.split(touches[:, 1:], np.searchsorted(touches[:, 0], range(1, self.num_envs)))):
+            of_each[i] = pairs
+        info = {"touches": of_each, "_touches": np.ones(self.num_envs, bool)}
+        return observations, rewards, np.zeros(self.num_envs, bool), self._steps >= self._most_steps, info
 
     def close_extras(self, **kwargs: Any) -> None:
         """Frees their memory."""

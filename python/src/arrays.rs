@@ -114,7 +114,11 @@ pub fn filled<'py, T: Number>(
 }
 
 /// The same of whole numbers.
-pub fn integers<'py>(py: Python<'py>, numbers: Vec<usize>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+pub fn integers<'py, T: IntoPyObject<'py>>(
+    py: Python<'py>,
+    numbers: Vec<T>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
     let flat = py.import("numpy")?.call_method1("array", (numbers, "int64"))?;
     flat.call_method1("reshape", (shape.to_vec(),))
 }
@@ -135,8 +139,12 @@ impl<'py> Table<'py> {
     }
 
     /// Adds a column of whole numbers.
-    pub fn integers(self, name: &str, column: impl IntoIterator<Item = usize>) -> PyResult<Table<'py>> {
-        let column: Vec<usize> = column.into_iter().collect();
+    pub fn integers<T: IntoPyObject<'py>>(
+        self,
+        name: &str,
+        column: impl IntoIterator<Item = T>,
+    ) -> PyResult<Table<'py>> {
+        let column: Vec<T> = column.into_iter().collect();
         let shape = [column.len()];
         self.0.set_item(name, integers(self.0.py(), column, &shape)?)?;
         Ok(self)

@@ -110,14 +110,17 @@ impl Creature {
         array(py, &posture, &[posture.len()])
     }
 
-    /// The touch receptors as a table of columns: `id`, `limb`, centre `x`, `y`, `z` and outward normal `nx`, `ny`, `nz` in the
-    /// limb's frame, metres.
+    /// The touch receptors as a table of columns: `id`, `limb`, `geom` (the number of the geom in the model; -1 if it is on none),
+    /// centre `x`, `y`, `z` and outward normal `nx`, `ny`, `nz` in the limb's frame, metres.
     #[getter]
     fn receptors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (limbs, receptors) = (self.embodied.creature().limbs(), &self.embodied.agent().skin().receptors);
+        let (limbs, skin) = (self.embodied.creature().limbs(), self.embodied.agent().skin());
+        let receptors = &skin.receptors;
+        let geoms = receptors.iter().map(|receptor| receptor.surface.map(|k| skin.surfaces[k].geom));
         let mut table = Table::new(py)?
             .words("id", receptors.iter().map(|receptor| Some(receptor.id.clone())))?
-            .words("limb", receptors.iter().map(|receptor| Some(limbs[receptor.limb].clone())))?;
+            .words("limb", receptors.iter().map(|receptor| Some(limbs[receptor.limb].clone())))?
+            .integers("geom", geoms.map(|geom| geom.map_or(-1, |geom| geom as i64)))?;
         for (k, [position, normal]) in [["x", "nx"], ["y", "ny"], ["z", "nz"]].into_iter().enumerate() {
             table = table.numbers(position, receptors.iter().map(|receptor| receptor.position[k]))?;
             table = table.numbers(normal, receptors.iter().map(|receptor| receptor.normal[k]))?;

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use rayon::prelude::*;
 
-use crate::arrays::{array, filled, numbers, postures};
+use crate::arrays::{array, filled, integers, numbers, postures};
 use crate::compute::on_threads;
 use crate::creature::Creature;
 use crate::errors::{raised, wrong};
@@ -32,12 +32,15 @@ struct Shared {
 struct Driven {
     shared: Arc<Shared>,
     data: Data,
+    /// What touches its skin.
+    contacts: Vec<SkinContact>,
 }
 
 impl Driven {
     /// A creature at rest in its start posture.
     fn new(shared: Arc<Shared>) -> Result<Driven, Fault> {
-        let mut driven = Driven { data: Data::new(shared.servo.levels[0].clone())?, shared };
+        let mut driven =
+            Driven { data: Data::new(shared.servo.levels[0].clone())?, shared, contacts: Vec::new() };
         let start = driven.shared.contact.start.clone();
         driven.place(&start)?;
         Ok(driven)
@@ -54,9 +57,9 @@ impl Driven {
         Ok(self.data.set_qpos(&self.shared.embodied.body().qpos(posture))?)
     }
 
-    /// Goes on by some steps towards a posture: what touched the skin in the last of them. Targets are within the joints'
+    /// Goes on by some steps towards a posture; the contacts are those of the last of them. Targets are within the joints'
     /// ranges, and coupled as they are.
-    fn step(&mut self, target: &[f64], steps: usize) -> Result<Vec<SkinContact>, Fault> {
+    fn step(&mut self, target: &[f64], steps: usize) -> Result<(), Fault> {
         let Shared { embodied, servo, reader, contact } = &*self.shared;
         let (body, creature) = (embodied.body(), embodied.creature());
         let mut target = Posture::reachable(creature, &self.posture(), target);
@@ -76,7 +79,15 @@ impl Driven {
             };
             step(&mut self.data, (&qpos, &qvel), meets, |data| servo.forces(&path, 0.0, data))?;
         }
-        Ok(reader.skin_contacts(body, embodied.agent().skin(), &self.data))
+        self.contacts = reader.skin_contacts(body, embodied.agent().skin(), &self.data);
+        Ok(())
+    }
+
+    /// The pairs of its receptors that press on each other.
+    fn touches(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.contacts
+            .iter()
+            .filter_map(|contact| Some([contact.spot, contact.by.own()?].map(|spot| spot.receptor)))
     }
 }
 
@@ -141,14 +152,15 @@ impl Crowd {
         which.iter().zip(&postures).try_for_each(|(&k, posture)| driven[k].place(posture)).map_err(raised)
     }
 
-    /// Steps all of them in parallel, so many steps of the physics towards target postures (N, D); their observations,
-    /// (N, D + R), are written where they are returned.
+    /// Steps all of them in parallel, so many steps of the physics towards target postures (N, D). Returns their observations,
+    /// (N, D + R), and their touches in the last of these steps, (K, 3): the creature and its two receptors that press on each
+    /// other.
     fn step<'py>(
         &self,
         py: Python<'py>,
         targets: &Bound<PyAny>,
         steps: usize,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (targets, shape) = numbers(targets, "action")?;
         let mut driven = self.driven.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         let coordinates = self.start.len();
@@ -159,9 +171,9 @@ impl Crowd {
             return Err(wrong(sentence));
         }
         let one = |((driven, target), row): ((&mut Driven, &[f64]), &mut [f32])| {
-            let contacts = driven.step(target, steps)?;
+            driven.step(target, steps)?;
             row.iter_mut().zip(&*driven.posture()).for_each(|(to, x)| *to = *x as f32);
-            for contact in &contacts {
+            for contact in &driven.contacts {
                 contact.spots().for_each(|spot| row[coordinates + spot.receptor] += contact.force as f32);
             }
             Ok(())
@@ -173,6 +185,13 @@ impl Crowd {
             let all = driven.par_iter_mut().zip(targets.par_chunks(coordinates)).zip(rows);
             done = on_threads(|| all.try_for_each(one));
         })?;
-        done.map_err(raised).map(|()| observations)
+        done.map_err(raised)?;
+        let touches: Vec<usize> = driven
+            .iter()
+            .enumerate()
+            .flat_map(|(k, driven)| driven.touches().flat_map(move |[a, b]| [k, a, b]))
+            .collect();
+        let shape = [touches.len() / 3, 3];
+        Ok((observations, integers(py, touches, &shape)?))
     }
 }

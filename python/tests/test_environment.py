@@ -62,10 +62,12 @@ def test_limbs_that_press_on_each_other_feel_it(env: Any, creature: bs.Creature,
         touched, total = np.zeros(len(limbs), bool), 0.0
         for _ in range(200):
             # On where they would pass through each other.
-            observation, reward, *_ = env.step(posture + 0.3 * (posture - start))
+            observation, reward, _, _, info = env.step(posture + 0.3 * (posture - start))
             touched |= observation[D:] > 0
             total += reward
             assert observation[D:].max() < 1000
+            assert set(info["touches"].ravel()) == set(np.flatnonzero(observation[D:]))
+            assert (limbs[info["touches"][:, 0]] != limbs[info["touches"][:, 1]]).all()
         assert total == touched.sum()
         felt += set(limbs[pair]) <= set(limbs[touched])
     assert felt >= 4
@@ -83,6 +85,23 @@ def test_a_seed_gives_the_same_alone_and_among_others(env: Any, three: Any) -> N
         steps = [alone, *(env.step(action[i])[0] for action in actions)]
         assert np.array_equal(np.array(steps), np.array(together)[:, i])
     assert not np.array_equal(together[0][0], together[0][1])
+
+
+def test_touches_of_several_are_each_its_own(three: Any, session: bs.Session) -> None:
+    posture = session.postures[0]
+    three.reset(options={"posture": posture})
+    start = three.unwrapped._crowd.start
+    # The middle one lets go.
+    actions, seen = [posture + 0.3 * (posture - start), start, posture + 0.3 * (posture - start)], 0
+    for _ in range(20):
+        observation, _, _, _, info = three.step(actions)
+        assert info["_touches"].all() and len(info["touches"]) == 3
+        for row, pairs in zip(observation[:, D:], info["touches"], strict=True):
+            assert set(pairs.ravel()) == set(np.flatnonzero(row))
+        seen += len(info["touches"][0])
+    assert seen > 0 and len(info["touches"][1]) == 0
+    *_, info = three.step(actions)
+    assert [len(pairs) for pairs in info["touches"]] == [0, 0, 0], "an episode begins without touches"
 
 
 def test_an_episode_ends_and_begins_anew_in_the_next_step(three: Any) -> None:

@@ -51,6 +51,16 @@ def test_tables_are_frames(session: bs.Session, schema: bs.Schema, fit: bs.Fit) 
         assert polars.DataFrame(table).shape == (table.rows, len(table))
 
 
+def test_tables_are_arrow_streams(session: bs.Session, schema: bs.Schema, fit: bs.Fit) -> None:
+    arrow, polars = pytest.importorskip("pyarrow"), pytest.importorskip("polars")
+    for table in [session.touches, schema.account, fit.quantities]:
+        streamed = arrow.RecordBatchReader.from_stream(table).read_all()
+        assert streamed.equals(arrow.table(table)) and streamed.column_names == list(table)
+        assert polars.from_arrow(streamed).shape == (table.rows, len(table))
+    name = next(iter(session.touches))
+    assert arrow.table(session.touches).column(name).to_pylist() == list(session.touches[name])
+
+
 def test_what_is_learned_is_located_and_right(schema: bs.Schema, creature: bs.Creature) -> None:
     assert schema.converged and schema.verdict.startswith("Learned: all 17 limbs are located.")
     assert schema.located == creature.limbs
