@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::common::browser::{Browser, Tab, browser};
 use crate::common::program::succeeds;
+use crate::common::repository;
 use crate::common::sessions;
 use crate::common::shell::copy;
 use serde_json::{Value, json};
@@ -294,4 +295,147 @@ fn a_recording_has_a_page_without_the_truth() {
     assert_eq!(names, serde_json::json!(["limbs", "receptors", "joints", "auras", "neighbouring receptors"]));
     let (share, colours) = pixels(&tab, "body");
     assert!(share > 0.01 && colours > 20, "{share} of it drawn on in {colours} colours");
+}
+
+/// A place of the picture, pixels from its top left, where a limb far from the middle can be pulled, and that limb.
+const HANDLE: &str = r#"(() => {
+    const canvas = document.getElementById("body");
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const shares = Array.from({ length: 90 }, (_, k) => 0.05 + 0.01 * k);
+    const places = shares.flatMap((x) => shares.map((y) => [x * width, y * height]));
+    const far = ([x, y]) => Math.hypot(x - width / 2, y - height / 2);
+    const pulled = places.filter((place) => canvas.body.handleAt(place));
+    const at = pulled.reduce((best, place) => (far(place) > far(best) ? place : best));
+    return [at[0] + left, at[1] + top, width / 2 + left, height / 2 + top, canvas.body.handleAt(at)];
+})()"#;
+/// How far the body's coordinates are beyond their ranges, and how many differ from those of the rest posture; `null` at rest.
+const POSTURE: &str = r#"(() => {
+    const { kinematics, posture } = document.getElementById("body").body;
+    const now = posture();
+    if (!now) return null;
+    const beyond = kinematics.dofs.map(({ kind, coordinate, range: [low, high] }) => {
+        const x = kind === "ball" ? 2 * Math.acos(Math.min(1, Math.abs(now[coordinate]))) : now[coordinate];
+        return Math.max(low - x, x - high);
+    });
+    return [Math.max(...beyond), now.filter((x, k) => Math.abs(x - kinematics.rest[k]) > 1e-3).length];
+})()"#;
+
+/// Asserts that the body has left its rest posture and is within the ranges of its joints.
+fn in_a_posture(tab: &Tab, how: &str) {
+    let posture = tab.evaluate(POSTURE);
+    assert!(!posture.is_null(), "{how}: it stays at rest");
+    assert!(posture[0].as_f64().unwrap() < 1e-9, "{how}: a joint is beyond its range: {posture}");
+    assert!(posture[1].as_u64().unwrap() > 0, "{how}: nothing has moved");
+}
+
+/// Presses a key, with Shift or without.
+fn press(tab: &Tab, key: &str, shift: bool) {
+    for kind in ["keyDown", "keyUp"] {
+        tab.call(
+            "Input.dispatchKeyEvent",
+            json!({ "type": kind, "key": key, "modifiers": 8 * u8::from(shift) }),
+        );
+    }
+}
+
+#[test]
+#[ignore = "needs Chromium and axe-core"]
+fn limbs_are_pulled_by_mouse_finger_and_keys_within_the_ranges_of_joints() {
+    let browser = browser();
+    let place = tempfile::tempdir().unwrap();
+    copy(sessions::max(), place.path());
+    // It has hinges, slides and a ball.
+    let model = repository("mjcf/contraption/contraption.xml");
+    succeeds(place.path(), &["babble", model.to_str().unwrap(), "--out", "contraption"]);
+    for session in ["max", "contraption"] {
+        let tab = open(browser, &place.path().join(session).join("report.html"));
+        let said =
+            || tab.evaluate("document.querySelector('.said').textContent").as_str().unwrap().to_string();
+        let picture = || {
+            std::thread::sleep(std::time::Duration::from_millis(600));
+            tab.evaluate(r#"document.getElementById("body").toDataURL()"#)
+        };
+        assert_eq!(tab.evaluate("document.querySelector('.hint').textContent"), "Drag a limb to pull it.");
+        let at_rest = picture();
+        let at = tab.evaluate(HANDLE);
+        let number = |k: usize| at[k].as_f64().unwrap();
+        let ([x, y], handle) = ([number(0), number(1)], &at[4]);
+        // A little towards the middle, where it can be: the limb's point is then under the pointer.
+        let towards = |share: f64| [x + share * (number(2) - x), y + share * (number(3) - y)];
+        let mouse = |kind: &str, [x, y]: [f64; 2]| {
+            let at = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1 });
+            tab.call("Input.dispatchMouseEvent", at);
+        };
+        mouse("mousePressed", [x, y]);
+        (1..=10).for_each(|k| mouse("mouseMoved", towards(0.015 * f64::from(k))));
+        mouse("mouseReleased", towards(0.15));
+        in_a_posture(&tab, "mouse");
+        let sentence = said();
+        assert!(sentence.contains("located") && sentence.contains("It gets "), "{sentence}");
+        let off = tab.evaluate(&format!(
+            "(() => {{
+                const canvas = document.getElementById('body');
+                const {{ left, top }} = canvas.getBoundingClientRect();
+                return canvas.body.farFrom({handle}, [{} - left, {} - top]);
+            }})()",
+            towards(0.15)[0],
+            towards(0.15)[1]
+        ));
+        let (off, reached) = (off.as_f64().unwrap(), sentence.contains("It gets there."));
+        assert!(!reached || off < 3.0, "{off} pixels from the pointer: {sentence}");
+        assert_ne!(picture(), at_rest);
+        // Far outside it cannot be: it says how near it gets.
+        mouse("mousePressed", towards(0.15));
+        mouse("mouseMoved", [x, y]);
+        mouse("mouseMoved", [number(2), number(3) - 2000.0]);
+        mouse("mouseReleased", [number(2), number(3) - 2000.0]);
+        in_a_posture(&tab, "out of reach");
+        assert!(said().contains("It gets to within "), "{}", said());
+        tab.picture(&format!("pulled-{session}"));
+
+        // Esc goes back to the rest posture; keys choose limbs and pull them, and the list says which.
+        tab.evaluate("(() => { document.getElementById('body').focus(); return 0; })()");
+        press(&tab, "Escape", false);
+        assert_eq!((tab.evaluate(POSTURE), picture()), (Value::Null, at_rest.clone()));
+        press(&tab, "p", false);
+        let chosen = tab.evaluate("document.querySelector('.limb select').selectedOptions[0].textContent");
+        assert!(said().starts_with(chosen.as_str().unwrap()), "{chosen}: {}", said());
+        assert!(tab.evaluate("document.querySelectorAll('.aside').length").as_u64().unwrap() > 5);
+        ["ArrowLeft", "ArrowUp", "ArrowRight"].iter().for_each(|key| press(&tab, key, true));
+        in_a_posture(&tab, "keys");
+        tab.accessible();
+        press(&tab, "Escape", false);
+
+        // A finger on a limb pulls it, and does not scroll the page.
+        let finger = |kind: &str, at: &[[f64; 2]]| {
+            let points: Vec<Value> = at.iter().map(|[x, y]| json!({ "x": x, "y": y })).collect();
+            tab.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+        };
+        finger("touchStart", &[[x, y]]);
+        (1..=10).for_each(|k| finger("touchMove", &[towards(0.02 * f64::from(k))]));
+        finger("touchEnd", &[]);
+        in_a_posture(&tab, "finger");
+        assert_eq!(tab.evaluate("scrollY"), 0);
+        assert_eq!(tab.complaints(), Vec::<String>::new());
+
+        // A mark of a chart that names receptors shows them, from the keyboard as well; a limb that is chosen dims the others'.
+        let before = picture();
+        tab.evaluate("(() => { document.getElementById('curve').focus(); return 0; })()");
+        press(&tab, "ArrowRight", false);
+        let mark = tab.evaluate("document.querySelector('#curve + .mark').textContent");
+        assert!(mark.as_str().unwrap().starts_with("touch 1, "), "{mark}");
+        assert_ne!(picture(), before, "the receptors of touch 1 are not shown");
+        tab.evaluate("(() => { document.getElementById('curve').blur(); return 0; })()");
+        assert_eq!(picture(), before);
+        let dimmed = "(() => {
+            const list = document.querySelector('.limb select');
+            [list.value] = [list.options[3].value];
+            list.dispatchEvent(new Event('change'));
+            const dots = [...document.querySelectorAll('#curve circle')].filter((dot) => /^touch .*, /.test(dot.textContent));
+            return [dots.length, dots.filter((dot) => dot.classList.contains('aside')).length];
+        })()";
+        let dots = tab.evaluate(dimmed);
+        let [all, aside] = [0, 1].map(|k| dots[k].as_u64().unwrap());
+        assert!(all > 20 && 0 < aside && aside < all, "{aside} of {all} touches are dimmed");
+    }
 }

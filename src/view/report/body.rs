@@ -31,7 +31,7 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let undetermined = input.undetermined();
     let mut scene = BodyScene::of_body(agent, input.schema, &undetermined, appearance, "learned");
     let account = input.record.reliable_account();
-    scene.tell_of_limbs(|limb| certainty(creature, account, limb));
+    scene.add_kinematics(creature, input.schema, |limb| certainty(creature, account, limb));
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
@@ -67,19 +67,16 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     scene.beside = Some((above.into(), aspect));
     let over = if input.truth.is_some() { " over the true one (grey)" } else { "" };
     let caption = format!(
-        "The learned body{over}, in the rest posture. Point at a limb to see how well it is located; click it to pick it \
-         out in the charts and tables, whose rows and cells light up their limbs here. Drag or use the arrow keys to \
-         rotate; Ctrl and the wheel zoom. Receptors{} are coloured by their number of touches; orange joints are not determined by the \
-         touches.{}{}",
-        if bare { "" } else { ", once switched on," },
-        if left_out > 0 {
-            format!(" The {left_out} least touched receptors are not drawn.")
-        } else {
-            String::new()
+        "The learned body{over}. Drag a limb to pull it, or the background to rotate; click a limb to pick it out in the charts and \
+         tables, which light it up here in turn. Keys: arrows rotate, + and − zoom (as Ctrl and the wheel), N and P choose a limb, \
+         Shift and arrows pull it, Esc goes back. {}Orange joints are not determined.{}{}",
+        if bare { "" } else { "Receptors, if switched on, are coloured by their number of touches. " },
+        match left_out {
+            0 => String::new(),
+            _ => format!(" The {left_out} least touched receptors are not drawn."),
         },
         if several {
-            " The slider goes from a random initial guess to the final schema; the millimetres are the RMS \
-             surface error between limbs, over everything that the touches determine in the end."
+            " While learning plays, the millimetres are the RMS surface error of all limbs that are located in the end."
         } else {
             ""
         }
