@@ -3,6 +3,9 @@
 //! That needs Chromium: these tests are ignored unless they are asked for.
 
 use std::path::Path;
+use std::time::Duration;
+
+use base64::Engine;
 
 use crate::common::browser::{Browser, Tab, browser};
 use crate::common::program::succeeds;
@@ -56,6 +59,23 @@ fn open(browser: &'static Browser, page: &Path) -> Tab {
     assert_eq!(requests, Vec::<String>::new());
     assert_eq!(tab.complaints(), Vec::<String>::new());
     tab
+}
+
+/// The share of a core that the page takes where nobody does anything, over three seconds.
+fn share_at_rest(tab: &Tab) -> f64 {
+    std::thread::sleep(Duration::from_secs(1));
+    tab.call("Performance.enable", json!({}));
+    let metrics = || {
+        let metrics = tab.call("Performance.getMetrics", json!({}))["metrics"].take();
+        ["TaskDuration", "Timestamp"].map(|name| {
+            let metric = metrics.as_array().unwrap().iter().find(|metric| metric["name"] == name).unwrap();
+            metric["value"].as_f64().unwrap()
+        })
+    };
+    let before = metrics();
+    std::thread::sleep(Duration::from_secs(3));
+    let after = metrics();
+    (after[0] - before[0]) / (after[1] - before[1])
 }
 
 /// The share of a picture that is drawn on, and how many colours it has, a pixel of three: of a canvas its own pixels, of
@@ -196,6 +216,9 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     );
     // How fast depends on the machine, so that only a page that stands still fails.
     assert!(turning > 1.0, "{turning} frames a second");
+    let share = share_at_rest(&tab);
+    eprintln!("{share:.4} of a core at rest");
+    assert!(share < 0.05, "{share} of a core at rest");
     let text = tab.evaluate("document.body.innerText");
     for words in ["babble", "--touches 1000", "cores", "MuJoCo", "Seed", "Undetermined joints and limbs"] {
         assert!(text.as_str().unwrap().to_lowercase().contains(&words.to_lowercase()), "{words}");
@@ -274,8 +297,10 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     tab.evaluate("await new Promise((done) => setTimeout(() => done(0), 500))");
     assert!(lightness(&tab) > 160);
     let printed = tab.call("Page.printToPDF", json!({}));
-    // "%PDF-" in base 64.
-    assert!(printed["data"].as_str().unwrap().starts_with("JVBERi0"));
+    let pdf = base64::engine::general_purpose::STANDARD.decode(printed["data"].as_str().unwrap()).unwrap();
+    let pdf = String::from_utf8_lossy(&pdf);
+    let sheets = pdf.matches("/Type /Page\n").count();
+    assert!(pdf.starts_with("%PDF-") && (1..=3).contains(&sheets), "printed on {sheets} sheets");
 }
 
 #[test]
@@ -352,7 +377,7 @@ fn limbs_are_pulled_by_mouse_finger_and_keys_within_the_ranges_of_joints() {
         let said =
             || tab.evaluate("document.querySelector('.said').textContent").as_str().unwrap().to_string();
         let picture = || {
-            std::thread::sleep(std::time::Duration::from_millis(600));
+            std::thread::sleep(Duration::from_millis(600));
             tab.evaluate(r#"document.getElementById("body").toDataURL()"#)
         };
         assert_eq!(tab.evaluate("document.querySelector('.hint').textContent"), "Drag a limb to pull it.");
