@@ -2,16 +2,18 @@
 //!
 //! That needs Chromium: these tests are ignored unless they are asked for.
 
+use std::fs;
 use std::path::Path;
+use std::process::Command;
 use std::time::Duration;
 
 use base64::Engine;
 
 use crate::common::browser::{Browser, Tab, browser};
 use crate::common::program::succeeds;
-use crate::common::repository;
 use crate::common::sessions;
 use crate::common::shell::copy;
+use crate::common::{python, repository};
 use serde_json::{Value, json};
 
 /// Every picture of a page with all there is to show.
@@ -122,7 +124,7 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     succeeds(place.path(), &["reach", "max", "--voxel", "0.08"]);
     succeeds(place.path(), &["report", "max"]);
     let page = place.path().join("max/report.html");
-    let bytes = std::fs::metadata(&page).unwrap().len();
+    let bytes = fs::metadata(&page).unwrap().len();
     assert!(bytes <= MOST_BYTES, "{bytes} bytes");
 
     let tab = open(browser, &page);
@@ -177,7 +179,12 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     let linked = tab.evaluate(
         r#"await (async () => {
         const canvas = document.getElementById("body");
-        const settled = () => new Promise((done) => setTimeout(done, 500));
+        const settled = async () => {
+            for (let draws = -1; draws !== canvas.body.draws();) {
+                draws = canvas.body.draws();
+                await new Promise((done) => setTimeout(done, 1000));
+            }
+        };
         const box = canvas.getBoundingClientRect();
         const at = { clientX: box.left + box.width / 2, clientY: 0, pointerId: 1, bubbles: true };
         canvas.setPointerCapture = () => {};
@@ -377,8 +384,16 @@ fn limbs_are_pulled_by_mouse_finger_and_keys_within_the_ranges_of_joints() {
         let said =
             || tab.evaluate("document.querySelector('.said').textContent").as_str().unwrap().to_string();
         let picture = || {
-            std::thread::sleep(Duration::from_millis(600));
-            tab.evaluate(r#"document.getElementById("body").toDataURL()"#)
+            tab.evaluate(
+                r#"await (async () => {
+                    const canvas = document.getElementById("body");
+                    for (let draws = -1; draws !== canvas.body.draws();) {
+                        draws = canvas.body.draws();
+                        await new Promise((done) => setTimeout(done, 1000));
+                    }
+                    return canvas.toDataURL();
+                })()"#,
+            )
         };
         assert_eq!(tab.evaluate("document.querySelector('.hint').textContent"), "Drag a limb to pull it.");
         let at_rest = picture();
@@ -463,4 +478,33 @@ fn limbs_are_pulled_by_mouse_finger_and_keys_within_the_ranges_of_joints() {
         let [all, aside] = [0, 1].map(|k| dots[k].as_u64().unwrap());
         assert!(all > 20 && 0 < aside && aside < all, "{aside} of {all} touches are dimmed");
     }
+}
+
+#[test]
+#[ignore = "needs Chromium, axe-core and mdbook"]
+fn the_site_is_accessible_and_complains_of_nothing() {
+    let browser = browser();
+    let mut site = Command::new(repository(".ci/site"));
+    site.arg(env!("CARGO_BIN_EXE_bodyschema")).arg(python::packages().join("bin/mdbook"));
+    let made = site.output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let book = repository("target/book");
+    let pages = fs::read_dir(&book).unwrap().map(|entry| entry.unwrap().path());
+    // Pages of the documents; the others are mdbook's own.
+    let written = |page: &std::path::PathBuf| {
+        let name = page.file_stem().unwrap().to_str().unwrap();
+        page.extension().is_some_and(|ending| ending == "html") && !["404", "print", "toc"].contains(&name)
+    };
+    let mut count = 0;
+    for page in pages.filter(written) {
+        let tab = browser.open(&format!("file://{}", page.display()));
+        assert_eq!(tab.complaints(), Vec::<String>::new(), "{}", page.display());
+        eprintln!("{}", page.display());
+        tab.accessible();
+        count += 1;
+    }
+    assert!(count > 20, "{count} pages");
+    // The first has the live body in it.
+    let tab = browser.open(&format!("file://{}", book.join("max/report.html").display()));
+    tab.wait("document.querySelector('.hint') !== null");
 }

@@ -48,7 +48,7 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
         group("prediction error of each touch, before it was used", Ink::Grey, dots.collect());
         let deviations = ChartMark::line(predicted.iter().map(|p| [p[0], p[2]]).collect(), "", 1.5);
         group("predicted deviation", Ink::Green, vec![deviations]);
-    } else if input.converged() == Some(true) {
+    } else if input.converged() == Some(true) && !input.touches.is_empty() {
         let every = input.touches.len().div_ceil(MOST_DOTS).max(1);
         let residuals = input.touches.iter().zip(1..).step_by(every).map(|(touch, number_of)| {
             let residual = touch_misses(&input.session.agent, input.schema, from_ref(touch)).max;
