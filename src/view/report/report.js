@@ -2,6 +2,7 @@
 // and rows of tables, by their first cell, belong to the limbs and receptors that they name: these light up, and a limb that is
 // chosen picks them out.
 (() => {
+  document.documentElement.classList.toggle("framed", self !== top);
   const figures = [...document.querySelectorAll("figure.body")];
   for (const { limbs, receptors, limbOf, light, pick, onLimb } of figures.map(Body)) {
     const named = [...document.querySelectorAll(".chart title, section tbody th")].map((name) => {
