@@ -149,7 +149,11 @@
         location.search = `session=${element("shown").value}&beside=${element("beside").value}`;
       });
     }
-    body.onPosture((pulled) => show({ posture: pulled, touch: 0 }));
+    // The body is then elsewhere than the last state put it: the next one is drawn even if it is the same.
+    body.onPosture((pulled) => {
+      placed = "";
+      show({ posture: pulled, touch: 0 });
+    });
     show({});
   }
 

@@ -20,7 +20,10 @@
       own.part.addEventListener("click", () => pick(own.of[0]));
     }
     onLimb((limb) => {
-      for (const { part, of } of named) part.classList.toggle("aside", limb !== null && !of.includes(limb));
+      for (const { part, of } of named) {
+        part.classList.toggle("aside", limb !== null && !of.includes(limb));
+        part.classList.toggle("picked", limb !== null && of.includes(limb));
+      }
     });
     // The arrow keys go through the marks of a chart that has the focus; what a mark says is below the chart.
     for (const chart of document.querySelectorAll(".wide:has(.chart)")) {
