@@ -21,7 +21,7 @@ use crate::session::{
 use crate::view::live::BabblingView;
 use crate::view::report::REPORT_FILE;
 
-/// Babble, touch, learn the body schema, and measure it.
+/// Explore a body by self-touch, learn its schema, and compare it with the model.
 ///
 /// The creature moves, at first with few joints, and stops at each self-contact. From the receptor pairs and joint
 /// angles alone it learns where its joints are and how they turn, and explores what it does not know yet. The model's

@@ -24,7 +24,7 @@ const MOST_ASKED: usize = 16;
 /// The most that a limb grows at once, millimetres.
 const LONGEST_GROWTH: f64 = 300.0;
 
-/// Talk to a creature among things: it answers what a partner asks, line by line
+/// Talk to a creature in a scene, line by line
 ///
 /// It is blindfolded: all it knows of its body is the schema of a session, and all it knows of the scene is what it has
 /// felt. From a terminal or through a pipe, ask it in plain English to

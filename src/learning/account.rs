@@ -295,26 +295,26 @@ impl Account {
         }
         let pairs = (0..self.limbs.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
         let nearest = pairs.min_by(|a, b| self.distances[*a].total_cmp(&self.distances[*b]));
-        let explains = "what was found explains touches that it was not fitted to, but places no limb's skin in another limb's frame";
-        let mend = "try more touches (--touches), at other places and in postures that differ more, or another seed (--seed)";
+        let explains = "the schema predicts held-out touches, but locates no limb relative to another";
+        let mend = "try more touches (--touches), at other places and in more varied postures, or another seed (--seed)";
         Verdict::Failed(match nearest {
             Some(pair) if self.distances[pair].is_finite() => {
                 let [a, b] = [pair.0, pair.1].map(|limb| &creature.limbs()[self.limbs[limb]]);
                 let (off, limit) = (self.distances[pair], self.limit);
                 let times = (off / limit).powi(2);
                 let enough = if times < MANY_TIMES {
-                    format!(", which about {times:.1} times as many touches of the same noise would mend")
+                    format!(", which about {times:.1} times as many touches of the same noise would resolve")
                 } else {
                     String::new()
                 };
                 format!(
-                    "{explains} to {:.1} mm: of {b} in that of {a}, the best known, some may be {:.1} mm off{enough}; {mend}",
+                    "{explains} to {:.1} mm: skin of {b} relative to {a}, the best known, may be {:.1} mm off{enough}; {mend}",
                     1e3 * limit,
                     1e3 * off
                 )
             }
             _ => format!(
-                "{explains}: each can move without any touch feeling it; {mend}, or say what is known of joints (--known)"
+                "{explains}: each can move without any effect on the touches; {mend}, or known joints (--known)"
             ),
         })
     }

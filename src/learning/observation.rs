@@ -32,7 +32,7 @@ named! {
         /// parallel to their parents'.
         #[default]
         Joint = "joint",
-        /// A frame of its own for every limb, fixed to it, nobody knows where: its pose on the joint is learned.
+        /// A frame of its own for every limb, fixed to it: its unknown pose on the joint is learned.
         Limb = "limb",
     }
 }

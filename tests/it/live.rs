@@ -190,6 +190,15 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     set(elbow, "1.5", "input");
     tab.wait("document.getElementById('touch').value === '0'");
     assert_ne!(joints(), touched);
+    // The page's own kinematics, by which a body is pulled, put every limb where the program has it.
+    let apart = "(() => {
+        const { body } = document.getElementById('body');
+        const [own, program] = [body.kinematics.pose(body.posture()), body.poses.learned];
+        const between = (a, b) => a.map((x, k) => Math.abs(Math.abs(x) - Math.abs(b[k])));
+        return Math.max(...between(own.frames, program.frames), ...between(own.begins, program.begins));
+    })()";
+    let apart = tab.evaluate(apart).as_f64().unwrap();
+    assert!(apart < 8.0, "{apart} tenths of a millimetre");
 
     // A click on a limb shows how well it is located. It is of the picture that is seen, so that the body is let come to rest.
     tab.evaluate(rests);
@@ -200,7 +209,7 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     );
     let pixel = |k: usize| at[k].as_f64().unwrap() + corner[k].as_f64().unwrap();
     tab.click(pixel(0), pixel(1));
-    tab.wait("document.getElementById('about').textContent.includes(': located to within ')");
+    tab.wait("document.querySelector('.said').textContent.includes(': located to within ')");
 
     tab.picture("view");
 
@@ -218,7 +227,6 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
         ("{\"session\":3}", "404"),
         ("{\"beside\":9}", "404"),
         ("{\"touch\":-1}", "422"),
-        ("{\"receptor\":99999}", "404"),
         ("{\"beside\":null}", "200"),
     ] {
         let said = served.answer("POST", "/ask", json, &format!("{{\"show\":{asked}}}"));

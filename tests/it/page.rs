@@ -2,12 +2,18 @@
 //!
 //! That needs Chromium: these tests are ignored unless they are asked for.
 
+use std::fs;
 use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use base64::Engine;
 
 use crate::common::browser::{Browser, Tab, browser};
 use crate::common::program::succeeds;
 use crate::common::sessions;
 use crate::common::shell::copy;
+use crate::common::{python, repository};
 use serde_json::{Value, json};
 
 /// Every picture of a page with all there is to show.
@@ -57,6 +63,23 @@ fn open(browser: &'static Browser, page: &Path) -> Tab {
     tab
 }
 
+/// The share of a core that the page takes where nobody does anything, over three seconds.
+fn share_at_rest(tab: &Tab) -> f64 {
+    std::thread::sleep(Duration::from_secs(1));
+    tab.call("Performance.enable", json!({}));
+    let metrics = || {
+        let metrics = tab.call("Performance.getMetrics", json!({}))["metrics"].take();
+        ["TaskDuration", "Timestamp"].map(|name| {
+            let metric = metrics.as_array().unwrap().iter().find(|metric| metric["name"] == name).unwrap();
+            metric["value"].as_f64().unwrap()
+        })
+    };
+    let before = metrics();
+    std::thread::sleep(Duration::from_secs(3));
+    let after = metrics();
+    (after[0] - before[0]) / (after[1] - before[1])
+}
+
 /// The share of a picture that is drawn on, and how many colours it has, a pixel of three: of a canvas its own pixels, of
 /// a chart those that it has with the style of the page.
 fn pixels(tab: &Tab, picture: &str) -> (f64, u64) {
@@ -101,7 +124,7 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     succeeds(place.path(), &["reach", "max", "--voxel", "0.08"]);
     succeeds(place.path(), &["report", "max"]);
     let page = place.path().join("max/report.html");
-    let bytes = std::fs::metadata(&page).unwrap().len();
+    let bytes = fs::metadata(&page).unwrap().len();
     assert!(bytes <= MOST_BYTES, "{bytes} bytes");
 
     let tab = open(browser, &page);
@@ -156,7 +179,12 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     let linked = tab.evaluate(
         r#"await (async () => {
         const canvas = document.getElementById("body");
-        const settled = () => new Promise((done) => setTimeout(done, 500));
+        const settled = async () => {
+            for (let draws = -1; draws !== canvas.body.draws();) {
+                draws = canvas.body.draws();
+                await new Promise((done) => setTimeout(done, 1000));
+            }
+        };
         const box = canvas.getBoundingClientRect();
         const at = { clientX: box.left + box.width / 2, clientY: 0, pointerId: 1, bubbles: true };
         canvas.setPointerCapture = () => {};
@@ -195,6 +223,9 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     );
     // How fast depends on the machine, so that only a page that stands still fails.
     assert!(turning > 1.0, "{turning} frames a second");
+    let share = share_at_rest(&tab);
+    eprintln!("{share:.4} of a core at rest");
+    assert!(share < 0.05, "{share} of a core at rest");
     let text = tab.evaluate("document.body.innerText");
     for words in ["babble", "--touches 1000", "cores", "MuJoCo", "Seed", "Undetermined joints and limbs"] {
         assert!(text.as_str().unwrap().to_lowercase().contains(&words.to_lowercase()), "{words}");
@@ -273,8 +304,10 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     tab.evaluate("await new Promise((done) => setTimeout(() => done(0), 500))");
     assert!(lightness(&tab) > 160);
     let printed = tab.call("Page.printToPDF", json!({}));
-    // "%PDF-" in base 64.
-    assert!(printed["data"].as_str().unwrap().starts_with("JVBERi0"));
+    let pdf = base64::engine::general_purpose::STANDARD.decode(printed["data"].as_str().unwrap()).unwrap();
+    let pdf = String::from_utf8_lossy(&pdf);
+    let sheets = pdf.matches("/Type /Page\n").count();
+    assert!(pdf.starts_with("%PDF-") && (1..=3).contains(&sheets), "printed on {sheets} sheets");
 }
 
 #[test]
@@ -294,4 +327,184 @@ fn a_recording_has_a_page_without_the_truth() {
     assert_eq!(names, serde_json::json!(["limbs", "receptors", "joints", "auras", "neighbouring receptors"]));
     let (share, colours) = pixels(&tab, "body");
     assert!(share > 0.01 && colours > 20, "{share} of it drawn on in {colours} colours");
+}
+
+/// A place of the picture, pixels from its top left, where a limb far from the middle can be pulled, and that limb.
+const HANDLE: &str = r#"(() => {
+    const canvas = document.getElementById("body");
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const shares = Array.from({ length: 90 }, (_, k) => 0.05 + 0.01 * k);
+    const places = shares.flatMap((x) => shares.map((y) => [x * width, y * height]));
+    const far = ([x, y]) => Math.hypot(x - width / 2, y - height / 2);
+    const pulled = places.filter((place) => canvas.body.handleAt(place));
+    const at = pulled.reduce((best, place) => (far(place) > far(best) ? place : best));
+    return [at[0] + left, at[1] + top, width / 2 + left, height / 2 + top, canvas.body.handleAt(at)];
+})()"#;
+/// How far the body's coordinates are beyond their ranges, and how many differ from those of the rest posture; `null` at rest.
+const POSTURE: &str = r#"(() => {
+    const { kinematics, posture } = document.getElementById("body").body;
+    const now = posture();
+    if (!now) return null;
+    const beyond = kinematics.dofs.map(({ kind, coordinate, range: [low, high] }) => {
+        const x = kind === "ball" ? 2 * Math.acos(Math.min(1, Math.abs(now[coordinate]))) : now[coordinate];
+        return Math.max(low - x, x - high);
+    });
+    return [Math.max(...beyond), now.filter((x, k) => Math.abs(x - kinematics.rest[k]) > 1e-3).length];
+})()"#;
+
+/// Asserts that the body has left its rest posture and is within the ranges of its joints.
+fn in_a_posture(tab: &Tab, how: &str) {
+    let posture = tab.evaluate(POSTURE);
+    assert!(!posture.is_null(), "{how}: it stays at rest");
+    assert!(posture[0].as_f64().unwrap() < 1e-9, "{how}: a joint is beyond its range: {posture}");
+    assert!(posture[1].as_u64().unwrap() > 0, "{how}: nothing has moved");
+}
+
+/// Presses a key, with Shift or without.
+fn press(tab: &Tab, key: &str, shift: bool) {
+    for kind in ["keyDown", "keyUp"] {
+        tab.call(
+            "Input.dispatchKeyEvent",
+            json!({ "type": kind, "key": key, "modifiers": 8 * u8::from(shift) }),
+        );
+    }
+}
+
+#[test]
+#[ignore = "needs Chromium and axe-core"]
+fn limbs_are_pulled_by_mouse_finger_and_keys_within_the_ranges_of_joints() {
+    let browser = browser();
+    let place = tempfile::tempdir().unwrap();
+    copy(sessions::max(), place.path());
+    // It has hinges, slides and a ball.
+    let model = repository("mjcf/contraption/contraption.xml");
+    succeeds(place.path(), &["babble", model.to_str().unwrap(), "--out", "contraption"]);
+    for session in ["max", "contraption"] {
+        let tab = open(browser, &place.path().join(session).join("report.html"));
+        let said =
+            || tab.evaluate("document.querySelector('.said').textContent").as_str().unwrap().to_string();
+        let picture = || {
+            tab.evaluate(
+                r#"await (async () => {
+                    const canvas = document.getElementById("body");
+                    for (let draws = -1; draws !== canvas.body.draws();) {
+                        draws = canvas.body.draws();
+                        await new Promise((done) => setTimeout(done, 1000));
+                    }
+                    return canvas.toDataURL();
+                })()"#,
+            )
+        };
+        assert_eq!(tab.evaluate("document.querySelector('.hint').textContent"), "Drag a limb to pull it.");
+        let at_rest = picture();
+        let at = tab.evaluate(HANDLE);
+        let number = |k: usize| at[k].as_f64().unwrap();
+        let ([x, y], handle) = ([number(0), number(1)], &at[4]);
+        // A little towards the middle, where it can be: the limb's point is then under the pointer.
+        let towards = |share: f64| [x + share * (number(2) - x), y + share * (number(3) - y)];
+        let mouse = |kind: &str, [x, y]: [f64; 2]| {
+            let at = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1 });
+            tab.call("Input.dispatchMouseEvent", at);
+        };
+        mouse("mousePressed", [x, y]);
+        (1..=10).for_each(|k| mouse("mouseMoved", towards(0.015 * f64::from(k))));
+        mouse("mouseReleased", towards(0.15));
+        in_a_posture(&tab, "mouse");
+        let sentence = said();
+        assert!(sentence.contains("located") && sentence.contains("It gets "), "{sentence}");
+        let off = tab.evaluate(&format!(
+            "(() => {{
+                const canvas = document.getElementById('body');
+                const {{ left, top }} = canvas.getBoundingClientRect();
+                return canvas.body.farFrom({handle}, [{} - left, {} - top]);
+            }})()",
+            towards(0.15)[0],
+            towards(0.15)[1]
+        ));
+        let (off, reached) = (off.as_f64().unwrap(), sentence.contains("It gets there."));
+        assert!(!reached || off < 3.0, "{off} pixels from the pointer: {sentence}");
+        assert_ne!(picture(), at_rest);
+        // Far outside it cannot be: it says how near it gets.
+        mouse("mousePressed", towards(0.15));
+        mouse("mouseMoved", [x, y]);
+        mouse("mouseMoved", [number(2), number(3) - 2000.0]);
+        mouse("mouseReleased", [number(2), number(3) - 2000.0]);
+        in_a_posture(&tab, "out of reach");
+        assert!(said().contains("It gets to within "), "{}", said());
+        tab.picture(&format!("pulled-{session}"));
+
+        // Esc goes back to the rest posture; keys choose limbs and pull them, and the list says which.
+        tab.evaluate("(() => { document.getElementById('body').focus(); return 0; })()");
+        press(&tab, "Escape", false);
+        assert_eq!((tab.evaluate(POSTURE), picture()), (Value::Null, at_rest.clone()));
+        press(&tab, "p", false);
+        let chosen = tab.evaluate("document.querySelector('.limb select').selectedOptions[0].textContent");
+        assert!(said().starts_with(chosen.as_str().unwrap()), "{chosen}: {}", said());
+        assert!(tab.evaluate("document.querySelectorAll('.aside').length").as_u64().unwrap() > 5);
+        ["ArrowLeft", "ArrowUp", "ArrowRight"].iter().for_each(|key| press(&tab, key, true));
+        in_a_posture(&tab, "keys");
+        tab.accessible();
+        press(&tab, "Escape", false);
+
+        // A finger on a limb pulls it, and does not scroll the page.
+        let finger = |kind: &str, at: &[[f64; 2]]| {
+            let points: Vec<Value> = at.iter().map(|[x, y]| json!({ "x": x, "y": y })).collect();
+            tab.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+        };
+        finger("touchStart", &[[x, y]]);
+        (1..=10).for_each(|k| finger("touchMove", &[towards(0.02 * f64::from(k))]));
+        finger("touchEnd", &[]);
+        in_a_posture(&tab, "finger");
+        assert_eq!(tab.evaluate("scrollY"), 0);
+        assert_eq!(tab.complaints(), Vec::<String>::new());
+
+        // A mark of a chart that names receptors shows them, from the keyboard as well; a limb that is chosen dims the others'.
+        let before = picture();
+        tab.evaluate("(() => { document.getElementById('curve').focus(); return 0; })()");
+        press(&tab, "ArrowRight", false);
+        let mark = tab.evaluate("document.querySelector('#curve + .mark').textContent");
+        assert!(mark.as_str().unwrap().starts_with("touch 1, "), "{mark}");
+        assert_ne!(picture(), before, "the receptors of touch 1 are not shown");
+        tab.evaluate("(() => { document.getElementById('curve').blur(); return 0; })()");
+        assert_eq!(picture(), before);
+        let dimmed = "(() => {
+            const list = document.querySelector('.limb select');
+            [list.value] = [list.options[3].value];
+            list.dispatchEvent(new Event('change'));
+            const dots = [...document.querySelectorAll('#curve circle')].filter((dot) => /^touch .*, /.test(dot.textContent));
+            return [dots.length, dots.filter((dot) => dot.classList.contains('aside')).length];
+        })()";
+        let dots = tab.evaluate(dimmed);
+        let [all, aside] = [0, 1].map(|k| dots[k].as_u64().unwrap());
+        assert!(all > 20 && 0 < aside && aside < all, "{aside} of {all} touches are dimmed");
+    }
+}
+
+#[test]
+#[ignore = "needs Chromium, axe-core and mdbook"]
+fn the_site_is_accessible_and_complains_of_nothing() {
+    let browser = browser();
+    let mut site = Command::new(repository(".ci/site"));
+    site.arg(env!("CARGO_BIN_EXE_bodyschema")).arg(python::packages().join("bin/mdbook"));
+    let made = site.output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let book = repository("target/book");
+    let pages = fs::read_dir(&book).unwrap().map(|entry| entry.unwrap().path());
+    // Pages of the documents; the others are mdbook's own.
+    let written = |page: &std::path::PathBuf| {
+        let name = page.file_stem().unwrap().to_str().unwrap();
+        page.extension().is_some_and(|ending| ending == "html") && !["404", "print", "toc"].contains(&name)
+    };
+    let mut count = 0;
+    for page in pages.filter(written) {
+        let tab = browser.open(&format!("file://{}", page.display()));
+        assert_eq!(tab.complaints(), Vec::<String>::new(), "{}", page.display());
+        eprintln!("{}", page.display());
+        tab.accessible();
+        count += 1;
+    }
+    assert!(count > 20, "{count} pages");
+    // The first has the live body in it.
+    let tab = browser.open(&format!("file://{}", book.join("max/report.html").display()));
+    tab.wait("document.querySelector('.hint') !== null");
 }

@@ -92,6 +92,6 @@ policies! {
     /// Uniformly random postures.
     #[default]
     Random, "random" => |agent, _| Box::new(Random::new(agent.creature()));
-    /// Few joints at first, more as they become known.
+    /// Where the predicted touch is most informative; in wide bodies few joints at first.
     Stages, "stages" => |agent, start| Box::new(Stages::new(agent, start));
 }

@@ -31,8 +31,16 @@ error of a located limb in another limb's frame, over random postures.
 
 ";
 /// The columns of its table.
-const COLUMNS: [&str; 8] =
-    ["", "body", "joints, DOF", "receptors", "touches", "seconds", "from receptors", "from contact points"];
+const COLUMNS: [&str; 8] = [
+    "picture",
+    "body",
+    "joints, DOF",
+    "receptors",
+    "touches",
+    "seconds",
+    "from receptors",
+    "from contact points",
+];
 /// Width and height of a picture, pixels.
 const PICTURE: [usize; 2] = [320, 240];
 /// What touches report, in the order of the table's columns.

@@ -15,7 +15,7 @@ impl LearnerKind for PartByPart {
     }
 
     fn about(&self) -> &'static str {
-        "Part by part from what is known"
+        "All at once, or part by part in wide bodies"
     }
 
     fn uses(&self) -> LearnerUses {

@@ -189,12 +189,12 @@ impl SecondOrder {
         } else if initial_guesses == 0 {
             "no joint has as many touches as it has unknowns: give more touches".to_string()
         } else if self.is_at_one_point() {
-            "all touches are at one point of each limb, and a body that is shrunk to a point explains that as well: touch other \
-             places of a limb, or say what is known of joints (--known)"
+            "all touches are at one point of each limb, and a body shrunk to a point explains them as well: touch other \
+             places of a limb, or give known joints (--known)"
                 .to_string()
         } else {
             format!(
-                "none of {initial_guesses} random initial guesses explains the touches that it was not fitted to; try more touches \
+                "none of {initial_guesses} random initial guesses explains held-out touches; try more touches \
                  (--touches) or another seed (--seed){}",
                 if self.known.is_given() { ", or check what is known (--known)" } else { "" }
             )

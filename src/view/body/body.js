@@ -1,4 +1,4 @@
-// A figure of a body: it is turned, zoomed, pointed at, its layers switched, and moved through steps.
+// A figure of a body: it is turned, zoomed, pointed at, its layers switched, moved through steps, and pulled by its limbs.
 //
 // The report and the live page hand it the same kind of data and get the same body.
 const Body = (figure) => {
@@ -25,12 +25,16 @@ const Body = (figure) => {
 
   // What the button says while it plays; how long playing takes at the least, at the most and a step, and how long the first is held,
   // milliseconds; and errors below which all are alike.
+  const PLAY = "▶ play learning";
   const STOP = "❚❚ stop";
   const LEAST_PLAYED = 4000;
   const MOST_PLAYED = 9000;
   const EACH_PLAYED = 600;
   const HELD = 700;
   const TINY = 1e-4;
+  // How far a key pulls a limb, as a share of the body's size; and the colour of what is pulled and of a touch.
+  const KEY_PULLS = 0.06;
+  const MARK = "#d11a6e";
 
   // As the report has errors: to two or three digits, and below a thousandth as that.
   const errorNumber = (x) => {
@@ -50,6 +54,11 @@ const Body = (figure) => {
     return { frames, begins: mixed(from.begins, to.begins) };
   };
 
+  const element = (name, properties, ...children) => {
+    const made = Object.assign(document.createElement(name), properties);
+    made.append(...children);
+    return made;
+  };
   const canvas = figure.querySelector("canvas");
   const context = canvas.getContext("2d", { willReadFrequently: true });
   const tip = figure.querySelector(".tip");
@@ -58,15 +67,43 @@ const Body = (figure) => {
   // What lies along, as a snake does, is a ball from ahead.
   const [long, wide, high] = [0, 1, 2].map((k) => scene.room[1][k] - scene.room[0][k]);
   const view = { turn: long > 2 * Math.max(wide, high) ? 1.2 : 0.55, tilt: 0.2, zoom: 1 };
-  const { layers, paint, project, placed, cameraOf, point } = Paint(scene, poses);
+  const { layers, paint, project, unproject, placed, localOf, cameraOf, point } = Paint(scene, poses);
   const skeletons = scene.skeletons.map((skeleton) => ({ ...skeleton, shown: true, joints: [] }));
   const auras = scene.auras.map((own) => ({ ...own, shown: false }));
   const maps = scene.maps.map((own) => ({ ...own, shown: false }));
   const skin = layers.find(({ look }) => look === "receptors");
   let values = scene.values;
+  // What is operated stands above the legend and the caption, the switches between the two.
+  const panel = figure.querySelector(".panel").firstElementChild;
+  const { steps } = scene;
+  const play = element("button", { type: "button", className: "play", textContent: PLAY });
+  const off = element("output", { className: "off" });
+  const count = element("output", { textContent: steps.at(-1)?.name });
+  const slider = steps.length > 1 ? element("input", { type: "range", min: 0, max: steps.length - 1, value: steps.length - 1 }) : null;
+  if (slider) {
+    panel.before(element("div", { className: "player" }, play, off), element("label", { className: "slider" }, "touches: ", count, slider));
+  }
   let lit = new Set();
+  let touched = [];
+  // The limb that is chosen, those that are pointed at elsewhere in the page, and what is pulled: a point of a limb, and where to.
+  let picked = null;
+  let pointed = [];
+  let pulled = null;
+  // Where the schema has the limbs in other postures than the one that the page begins with; null where it is in that one.
+  const size = Math.hypot(long, wide, high) / (2 * PARTS);
+  const kinematics = scene.joints.length > 0 ? Kinematics(scene.joints, size) : null;
+  let posture = null;
   let seen = null;
   let draws = 0;
+
+  // The middle of the corners of a piece, or of all pieces of a limb, in the limb's frame.
+  const middleOf = (mesh, piece, limb = null) => {
+    const own = new Set();
+    mesh.of.forEach((of, t) => {
+      if (limb === null ? of === piece : mesh.limbs[of] === limb) for (let k = 0; k < 3; k += 1) own.add(mesh.faces[3 * t + k]);
+    });
+    return [0, 1, 2].map((k) => [...own].reduce((sum, corner) => sum + mesh.local[3 * corner + k], 0) / own.size);
+  };
 
   // Joints are inside of limbs: they are drawn over all.
   const skeleton = (own, camera, ratio) => {
@@ -144,6 +181,33 @@ const Body = (figure) => {
     }
   };
 
+  // What is pulled and where to, and the receptors of a touch: they are seen through the body.
+  const marks = (camera, ratio) => {
+    const dot = ([x, y], radius) => {
+      context.beginPath();
+      context.arc(x, y, radius * ratio, 0, 2 * Math.PI);
+      context.fill();
+      context.stroke();
+    };
+    const line = (ends, dashes) => {
+      context.setLineDash(dashes.map((dash) => dash * ratio));
+      context.beginPath();
+      ends.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+      context.stroke();
+      context.setLineDash([]);
+    };
+    const marked = (ends, dashes) => {
+      [context.strokeStyle, context.lineWidth] = [MARK, 1.6 * ratio];
+      line(ends, dashes);
+      [context.fillStyle, context.strokeStyle] = [MARK, "#ffffff"];
+      ends.forEach((at) => dot(at, 4.5));
+    };
+    if (pulled) marked([placed(poses.learned, pulled.limb, pulled.local), pulled.target].map((p) => project(camera, p)), [4, 4]);
+    if (touched.length > 0 && poses[skin.poses]) {
+      marked(touched.map((receptor) => project(camera, placed(poses[skin.poses], skin.mesh.limbs[receptor], middleOf(skin.mesh, receptor)))), [2, 5]);
+    }
+  };
+
   const draw = (ratio) => {
     if (canvas.clientWidth === 0) return;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * ratio)));
@@ -154,6 +218,7 @@ const Body = (figure) => {
     for (const own of auras) if (own.shown && poses[own.poses]) aura(own, camera, ratio);
     for (const own of maps) if (own.shown && poses[own.poses]) map(own, camera, ratio);
     for (const own of skeletons) if (own.shown && poses[own.poses]) skeleton(own, camera, ratio);
+    marks(camera, ratio);
     draws += 1;
   };
   // Quick while something moves, sharp once it rests.
@@ -168,6 +233,7 @@ const Body = (figure) => {
   const moving = () => {
     clearTimeout(resting);
     const began = performance.now();
+    if (pulled && !pulled.done) follow();
     draw(QUICK[coarse] * devicePixelRatio);
     const took = performance.now() - began;
     coarse = Math.min(QUICK.length - 1, Math.max(0, coarse + (took > SLOW) - (took < SLOW / 3)));
@@ -210,7 +276,9 @@ const Body = (figure) => {
     const [near] = joints.filter((at) => far(at) < NEAR).sort((a, b) => far(a) - far(b));
     if (near) return near.own.names[near.joint] + near.own.says;
     const there = shownAt(place);
-    return (there && there.layer.labels && there.layer.labels[there.piece]) || "";
+    if (!there) return "";
+    const { labels, look, mesh, poses: of } = there.layer;
+    return labels?.[there.piece] || (look !== "ghost" && of === "learned" && scene.says[mesh.limbs[there.piece]]) || "";
   };
   const placeOf = (event) => {
     const box = canvas.getBoundingClientRect();
@@ -234,35 +302,179 @@ const Body = (figure) => {
     view.zoom = Math.min(Math.max(view.zoom * by, 0.5), 8);
     soon();
   };
-  let held = null;
+  // A limb is chosen by a click, by the list of limbs or by a key, and it is pulled by a drag or by keys: the joints between the
+  // root and it follow within their ranges.
+  const chooser = kinematics && element("select", { autocomplete: "off" }, new Option("all", ""));
+  const restButton = element("button", { type: "button", hidden: true, textContent: "rest posture" });
+  const said = element("output", { className: "said", textContent: "Choose or pull a limb to see how well it is located." });
+  const dofs = element("div", { className: "dofs" });
+  const hint = element("div", { className: "hint", textContent: "Drag a limb to pull it." });
+  if (kinematics) {
+    const postureOf = element("details", { className: "posture" }, element("summary", { textContent: "Move joint by joint" }), dofs);
+    panel.before(element("div", { className: "limb" }, element("label", {}, "limb: ", chooser), restButton), said, postureOf);
+    figure.querySelector(".stage").append(hint);
+    // Creatures have up to a thousand of them: they are made once they are asked for.
+    postureOf.addEventListener("toggle", () => {
+      if (dofs.childElementCount === 0) dofs.append(...kinematics.dofs.filter(({ kind, follows }) => kind !== "ball" && !follows).map(sliderOf));
+      showCoordinates();
+    });
+  }
+  const sliderOf = ({ name, range: [min, max], coordinate }) => {
+    const own = element("input", { type: "range", min, max, step: "any" });
+    own.dataset.coordinate = coordinate;
+    own.addEventListener("input", () => {
+      const next = [...(posture || kinematics.allowed(kinematics.rest))];
+      next[coordinate] = Number(own.value);
+      toLast();
+      pose(kinematics.allowed(next));
+      postureTaken?.(posture);
+    });
+    return element("label", {}, name, own);
+  };
+  const showCoordinates = () => {
+    for (const own of dofs.querySelectorAll("input")) {
+      if (own !== document.activeElement) own.value = (posture || kinematics.rest)[own.dataset.coordinate];
+    }
+  };
   let clicked = () => {};
-  let limbClicked = () => {};
+  let limbPicked = () => {};
+  let postureTaken = null;
+  const relight = () => {
+    lit = new Set([...pointed, ...(picked === null ? [] : [picked]), ...(pulled ? [pulled.limb] : [])]);
+    soon();
+  };
+  const say = (limb, reach = "") => {
+    said.textContent = limb === null ? "" : `${scene.says[limb]}.${reach}`;
+  };
+  const pick = (limb) => {
+    picked = limb;
+    if (chooser) chooser.value = limb ?? "";
+    say(limb);
+    relight();
+    limbPicked(limb);
+  };
+  const kept = {};
+  // Puts the body into a posture; null is the one that the page begins with. A body that does not follow is not drawn meanwhile.
+  const pose = (next) => {
+    if (!posture) Object.assign(kept, poses);
+    posture = next;
+    if (!next) Object.assign(poses, kept);
+    else if (!postureTaken) for (const name of Object.keys(poses)) if (name !== "learned") delete poses[name];
+    if (next) poses.learned = kinematics.pose(next);
+    restButton.hidden = !next;
+    showCoordinates();
+    soon();
+  };
+  const follow = () => {
+    const { limb, local, target } = pulled;
+    const found = kinematics.pull(posture || kinematics.rest, limb, local, target);
+    pulled.done = true;
+    pose(found.posture);
+    const short = (1e3 * found.off).toFixed(found.off < 0.01 ? 1 : 0);
+    say(limb, found.reached ? " It gets there." : ` It gets to within ${short} mm of there.`);
+    postureTaken?.(found.posture);
+  };
+  // Only what was learned in the end is moved.
+  const toLast = () => {
+    stop();
+    if (!slider || slider.value === slider.max) return;
+    slider.value = slider.max;
+    toStep(steps.at(-1));
+  };
+  const pullTo = (limb, local, target) => {
+    toLast();
+    pulled = { limb, local, target };
+    hint.remove();
+    relight();
+  };
+  const letGo = () => {
+    pulled = null;
+    relight();
+  };
+  // The camera of the picture as pointers have it, and what of the body is at a place: a point of a limb that can be pulled.
+  const cameraNow = () => cameraOf(view, canvas.clientWidth, canvas.clientHeight);
+  const handleAt = (place) => {
+    const there = kinematics && seen && shownAt(place);
+    const limb = there && there.layer.poses === "learned" ? there.layer.mesh.limbs[there.piece] : null;
+    if (limb === null || !kinematics.moves(limb)) return null;
+    const [column, row] = place.map((p) => Math.floor(p * seen.ratio));
+    const camera = cameraNow();
+    const depth = seen.depth[row * seen.width + column] / seen.ratio;
+    return { limb, depth, local: localOf(poses.learned, limb, unproject(camera, [...place, depth])) };
+  };
+  let held = null;
   canvas.addEventListener("pointerdown", (event) => {
-    held = { x: event.clientX, y: event.clientY, moved: 0 };
+    held = { x: event.clientX, y: event.clientY, moved: 0, handle: handleAt(placeOf(event)) };
     canvas.setPointerCapture(event.pointerId);
     tip.hidden = true;
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!held) {
+      canvas.classList.toggle("turns", !handleAt(placeOf(event)));
       tell(event);
       return;
     }
+    const { handle } = held;
     const [dx, dy] = [event.clientX - held.x, event.clientY - held.y];
-    held = { x: event.clientX, y: event.clientY, moved: held.moved + Math.abs(dx) + Math.abs(dy) };
-    if (held.moved > CLICK) turn(dx, dy);
+    held = { x: event.clientX, y: event.clientY, moved: held.moved + Math.abs(dx) + Math.abs(dy), handle };
+    if (held.moved <= CLICK) return;
+    if (handle) pullTo(handle.limb, handle.local, unproject(cameraNow(), [...placeOf(event), handle.depth]));
+    else turn(dx, dy);
   });
   canvas.addEventListener("pointerup", (event) => {
     const clicks = held && held.moved <= CLICK && seen;
     held = null;
+    if (pulled) {
+      if (!pulled.done) follow();
+      letGo();
+    }
     if (!clicks) return;
     const receptor = receptorAt(placeOf(event));
     if (receptor !== NOBODY) clicked(receptor);
     const there = shownAt(placeOf(event));
-    limbClicked(there ? there.layer.mesh.limbs[there.piece] : null);
+    const limb = there ? there.layer.mesh.limbs[there.piece] : null;
+    if (kinematics) pick(limb === picked ? null : limb);
     tell(event);
   });
-  canvas.addEventListener("pointercancel", () => { held = null; });
+  canvas.addEventListener("pointercancel", () => {
+    held = null;
+    if (pulled) letGo();
+  });
   canvas.addEventListener("pointerleave", () => { tip.hidden = true; });
+  // A finger on a limb pulls it, and beside the body it scrolls the page.
+  canvas.addEventListener("touchstart", (event) => {
+    const box = canvas.getBoundingClientRect();
+    const [{ clientX, clientY }] = event.touches;
+    if (event.touches.length === 1 && handleAt([clientX - box.left, clientY - box.top])) event.preventDefault();
+  }, { passive: false });
+  // Only limbs that are to be seen can be chosen.
+  const limbs = [...new Set(layers.filter(({ poses: of, look }) => of === "learned" && look !== "ghost").flatMap(({ mesh }) => [...mesh.limbs]))];
+  limbs.sort((a, b) => a - b);
+  if (chooser) chooser.append(...limbs.map((limb) => new Option(scene.says[limb].split(": ")[0], limb)));
+  chooser?.addEventListener("change", () => pick(chooser.value === "" ? null : Number(chooser.value)));
+  const rest = () => {
+    pose(null);
+    postureTaken?.(kinematics.allowed(kinematics.rest));
+  };
+  restButton.addEventListener("click", () => {
+    rest();
+    canvas.focus();
+  });
+  const pickNext = (by) => {
+    const at = limbs.indexOf(picked);
+    pick(limbs[(at < 0 ? (by > 0 ? 0 : limbs.length - 1) : at + by + limbs.length) % limbs.length]);
+  };
+  const keyPulls = (right, up) => {
+    if (picked === null) pickNext(1);
+    if (!kinematics.moves(picked)) return;
+    const { mesh } = layers.find((layer) => layer.poses === "learned" && layer.look !== "ghost" && layer.mesh.limbs.includes(picked));
+    const local = middleOf(mesh, null, picked);
+    const [across, upwards] = cameraNow().axes;
+    const from = placed(poses.learned, picked, local);
+    pullTo(picked, local, from.map((x, k) => x + KEY_PULLS * size * (right * across[k] + up * upwards[k])));
+    follow();
+    letGo();
+  };
   // A wheel by itself turns the page on; with Ctrl, as two fingers on a pad have it, it zooms.
   canvas.addEventListener("wheel", (event) => {
     if (!event.ctrlKey && !event.metaKey) return;
@@ -280,55 +492,68 @@ const Body = (figure) => {
     "+": () => zoom(1.15),
     "-": () => zoom(1 / 1.15),
   };
+  const limbKeys = {
+    "Shift ArrowLeft": () => keyPulls(-1, 0),
+    "Shift ArrowRight": () => keyPulls(1, 0),
+    "Shift ArrowUp": () => keyPulls(0, 1),
+    "Shift ArrowDown": () => keyPulls(0, -1),
+    n: () => pickNext(1),
+    p: () => pickNext(-1),
+    Escape: () => { rest(); pick(null); },
+  };
   canvas.addEventListener("keydown", (event) => {
-    if (!keys[event.key]) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const arrow = event.shiftKey && event.key.startsWith("Arrow");
+    const own = (kinematics && limbKeys[arrow ? `Shift ${event.key}` : event.key]) || keys[event.key];
+    if (!own) return;
     event.preventDefault();
-    keys[event.key]();
+    own();
   });
 
   const scale = figure.querySelector(".scale");
-  for (const box of figure.querySelectorAll("[data-layer]")) {
+  const all = [...layers, ...skeletons, ...auras, ...maps];
+  const switches = [...new Set([...scene.layers, ...skeletons, ...auras, ...maps].map(({ name }) => name))].map((name) => {
+    const box = element("input", { type: "checkbox", checked: !scene.hidden.includes(name) });
+    box.dataset.layer = name;
     const toggle = () => {
-      const own = [...layers, ...skeletons, ...auras, ...maps].filter(({ name }) => name === box.dataset.layer);
+      const own = all.filter((part) => part.name === name);
       own.forEach((part) => { part.shown = box.checked; });
       if (scale && own.includes(skin)) scale.hidden = !box.checked;
       soon();
     };
     box.addEventListener("change", toggle);
     toggle();
-  }
+    return element("label", {}, box, ` ${name}`);
+  });
+  figure.querySelector("figcaption").before(element("div", { className: "switches" }, ...switches));
   // Steps: a slider goes to one, and a button through all of them, limbs moving from where one has them to where the next
   // has them.
-  const slider = figure.querySelector("input[type=range]");
-  const play = figure.querySelector(".play");
-  const off = figure.querySelector(".off");
-  const invites = play?.textContent;
-  const count = figure.querySelector(".slider output");
   const showStep = (name, mm) => {
     count.textContent = name;
-    if (off) off.textContent = mm === null ? "" : `${errorNumber(mm)} mm`;
+    off.textContent = mm === null ? "" : `${errorNumber(mm)} mm`;
     soon();
   };
   const toStep = (step) => {
+    if (posture) pose(null);
     Object.assign(poses, step.poses);
     showStep(step.name, step.mm);
   };
   let playing = false;
   const stop = () => {
     playing = false;
-    if (play) play.textContent = invites;
+    play.textContent = PLAY;
   };
   slider?.addEventListener("input", () => {
     stop();
-    toStep(scene.steps[Number(slider.value)]);
+    toStep(steps[Number(slider.value)]);
   });
   const playAll = async () => {
-    const { steps } = scene;
     const last = steps.length - 1;
     const lasts = Math.min(MOST_PLAYED, Math.max(LEAST_PLAYED, last * EACH_PLAYED));
     playing = true;
     play.textContent = STOP;
     toStep(steps[0]);
+    say(null);
     for (const began = performance.now() + HELD; playing;) {
       const now = await new Promise(requestAnimationFrame);
       const at = Math.min(Math.max((now - began) / lasts, 0), 1) * last;
@@ -346,7 +571,7 @@ const Body = (figure) => {
     toStep(steps[last]);
     stop();
   };
-  play?.addEventListener("click", () => (playing ? stop() : playAll()));
+  play.addEventListener("click", () => (playing ? stop() : playAll()));
   new ResizeObserver(soon).observe(canvas);
   addEventListener("beforeprint", sharp);
 
@@ -355,18 +580,40 @@ const Body = (figure) => {
   const body = {
     // Puts the parts where they are now, with how much each receptor feels, and draws.
     show(newer, felt) {
-      Object.assign(poses, newer);
+      // What is pulled is already farther than who answers knows.
+      Object.assign(poses, newer, pulled ? { learned: poses.learned } : {});
       values = felt;
       soon();
     },
     onReceptor(listener) { clicked = listener; },
-    // The limb that is clicked; null where there is none.
-    onLimb(listener) { limbClicked = listener; },
+    // The limb that is chosen; null where none is.
+    onLimb(listener) { limbPicked = listener; },
+    // The posture that a pull leads to, for who poses all that is shown.
+    onPosture(listener) { postureTaken = listener; },
     limbs: scene.limbs,
-    light(limbs) {
-      lit = new Set(limbs);
-      soon();
+    pick,
+    // Limbs and receptors that the page points at.
+    light(limbsThere, receptors = []) {
+      pointed = limbsThere;
+      touched = receptors;
+      relight();
     },
+    // The receptors that are drawn, by their names.
+    receptors: Object.fromEntries((skin?.labels || []).map((label, k) => [label.split(": ")[0], k])),
+    limbOf: (receptor) => skin.mesh.limbs[receptor],
+    // For who tests: the posture, what of the body is at a place of the picture, and how far from a place that is, pixels.
+    posture: () => posture,
+    handleAt,
+    farFrom({ limb, local }, [x, y]) {
+      const [column, row] = project(cameraNow(), placed(poses.learned, limb, local));
+      return Math.hypot(column - x, row - y);
+    },
+    take(given) {
+      posture = given;
+      restButton.hidden = kinematics.allowed(kinematics.rest).every((x, k) => x === given[k]);
+      showCoordinates();
+    },
+    kinematics,
     whereIs: (receptor) => (seen ? whereIs(receptor) : null),
     turn,
     poses,

@@ -1,14 +1,13 @@
 //! One body, drawn one way: its triangles, its postures, and the viewer that report and live page share.
 //!
 //! A [`BodyScene`] is what the viewer is given: meshes on limbs whose poses it is told, layers that draw a mesh at some
-//! poses in one look, skeletons, and what its senses are: auras and which receptors are neighbours. The viewer is `paint.js`, which fills pixels, and `body.js`, which turns, points
-//! and switches.
+//! poses in one look, skeletons, and what its senses are: auras and which receptors are neighbours. The viewer is `paint.js`, which
+//! fills pixels, `pull.js`, the kinematics of a body that is pulled, and `body.js`, which turns, points and switches.
 
 mod mesh;
 mod pose;
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
+use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -20,7 +19,7 @@ pub(super) use pose::Pose;
 
 use super::text::{error_number, escape, harmless};
 use crate::agent::Agent;
-use crate::creature::{Appearance, Creature};
+use crate::creature::{Appearance, Creature, DofElement, Joint};
 use crate::geometry::box_about;
 use crate::kinematics::limb_frames;
 use crate::learning::Account;
@@ -29,7 +28,8 @@ use crate::schema::BodySchema;
 use crate::skin::{ProximityGeometry, Skin, SomatotopicMap, grow_aura};
 
 /// What draws bodies in a page.
-pub(super) const SCRIPT: &str = concat!(include_str!("paint.js"), include_str!("body.js"));
+pub(super) const SCRIPT: &str =
+    concat!(include_str!("paint.js"), include_str!("pull.js"), include_str!("body.js"));
 
 /// The colours of limbs that have none of their own, and of a shade.
 const LIMB: &str = "#b9c7d3";
@@ -71,6 +71,11 @@ pub(super) fn certainty(creature: &Creature, account: Option<&Account>, limb: us
     let bounds = account.distance_to_most(limb).filter(|[_, worst]| worst.is_finite());
     match (account.openness(creature, limb), bounds) {
         (Some(why), _) => format!("{name}: not located, {}", why.words(creature)),
+        (None, Some(_)) if limb > 0 && account.distance(0, limb).is_finite() => {
+            let [error, root] =
+                [error_number(1e3 * account.distance(0, limb)), in_words(&creature.limbs()[0])];
+            format!("{name}: located to within {error} mm (95 %) relative to the {root}")
+        }
         (None, Some(bounds)) => {
             let [best, worst] = bounds.map(|metres| error_number(1e3 * metres));
             format!("{name}: located to within {best} to {worst} mm (95 %), depending on the reference limb")
@@ -127,6 +132,24 @@ pub(super) struct Layer {
     /// What each of its pieces is called; empty where that tells nothing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<String>,
+}
+
+/// The joints by which a schema moves limbs: of each its parent, its position, its degrees of freedom with their axes and ranges, and
+/// the pose of the limb on it if limbs have frames of their own.
+fn kinematics(creature: &Creature, schema: &BodySchema) -> Vec<Value> {
+    let dof = |dof: DofElement| {
+        let axis = point(&schema.axes[dof.axis()]);
+        json!({ "name": dof.name, "kind": dof.kind, "axis": axis, "range": dof.range, "follows": dof.follows })
+    };
+    let joint = |(j, joint): (usize, &Joint)| {
+        json!({
+            "parent": joint.parent,
+            "at": point(&schema.positions[j]),
+            "dofs": joint.elements().map(dof).collect::<Vec<_>>(),
+            "pose": schema.limb_poses.get(j).map(pose::numbers),
+        })
+    };
+    creature.joints().iter().enumerate().map(joint).collect()
 }
 
 /// The joints of a body and what lies between them; the `open` ones are not determined.
@@ -200,6 +223,9 @@ pub(super) struct BodyScene {
     pub poses: Vec<(&'static str, Pose)>,
     /// Per receptor how much it is touched, 0 to 1.
     pub values: Vec<f64>,
+    /// The joints by which the body follows when it is pulled, and a sentence about each limb; empty if it is not pulled.
+    pub joints: Vec<Value>,
+    pub says: Vec<String>,
     /// What names of limbs in the page stand for.
     pub limbs: BTreeMap<String, Vec<usize>>,
     /// What a slider goes through, from a body that is not known to one that is; see [`step`].
@@ -272,9 +298,15 @@ impl BodyScene {
         }
     }
 
-    /// Says of each limb what there is to say, where it is pointed at.
-    pub fn tell_of_limbs(&mut self, words: impl Fn(usize) -> String) {
-        self.layers[0].labels = self.meshes[0].iter().map(|piece| words(piece.limb)).collect();
+    /// Lets the body be pulled by its limbs, which move as a schema has them, and says of each how well it is located.
+    pub fn add_kinematics(
+        &mut self,
+        creature: &Creature,
+        schema: &BodySchema,
+        words: impl Fn(usize) -> String,
+    ) {
+        self.joints = kinematics(creature, schema);
+        self.says = (0..creature.limbs().len()).map(words).collect();
     }
 
     /// Draws only some receptors, each with its label and how much it is touched, 0 to 1.
@@ -341,42 +373,17 @@ impl BodyScene {
             "poses": poses,
             "values": self.values.iter().map(|value| (value * 1e3).round() / 1e3).collect::<Vec<_>>(),
             "steps": self.steps,
+            "joints": self.joints,
+            "says": self.says,
             "limbs": self.limbs,
             "room": self.room.map(|corner| point(&corner)),
+            "hidden": self.hidden,
         })
         .to_string()
     }
 
     /// The figure as HTML. `says` is read out, `height` is in pixels, `caption` and `legend` are HTML.
     pub fn figure(&self, says: &str, height: usize, legend: &str, caption: &str) -> String {
-        let layers = self.layers.iter().map(|layer| layer.name.as_str());
-        let over = self.skeletons.iter().chain(&self.auras).chain(&self.maps);
-        let (mut named, mut switches) = (BTreeSet::new(), String::new());
-        for name in
-            layers.chain(over.filter_map(|own| own["name"].as_str())).filter(|name| named.insert(*name))
-        {
-            let checked = if self.hidden.contains(&name) { "" } else { " checked=\"\"" };
-            let name = escape(name);
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                switches,
-                "<label><input type=\"checkbox\" data-layer=\"{name}\"{checked}/> {name}</label>"
-            );
-        }
-        let slider = match self.steps.as_slice() {
-            [] | [_] => String::new(),
-            [.., last] => {
-                // Empty until a step is shown: the last one's error stands above.
-                let off = if last["mm"].is_null() { "" } else { "<output class=\"off\"></output>" };
-                format!(
-                    "<div class=\"player\"><button type=\"button\" class=\"play\">▶ play learning</button>{off}</div>\n\
-                     <label class=\"slider\">touches: <output>{}</output>\n<input type=\"range\" min=\"0\" \
-                     max=\"{most}\" value=\"{most}\"/></label>\n",
-                    escape(last["name"].as_str().unwrap_or_default()),
-                    most = self.steps.len() - 1
-                )
-            }
-        };
         let (class, stage, above) = match &self.beside {
             Some((above, aspect)) => (
                 " beside",
@@ -390,8 +397,7 @@ impl BodyScene {
              tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\n<div class=\"tip\" hidden=\"\"></div>\n\
              <div class=\"zoom\"><button type=\"button\" data-zoom=\"1.25\" aria-label=\"nearer\">+</button>\
              <button type=\"button\" data-zoom=\"0.8\" aria-label=\"farther\">−</button></div>\n</div>\n\
-             <div class=\"panel\">\n{slider}{legend}<div class=\"switches\">\n{switches}</div>\n\
-             <figcaption>{caption}</figcaption>\n</div>\n<script type=\"application/json\">{}</script>\n</figure>\n",
+             <div class=\"panel\">\n{legend}<figcaption>{caption}</figcaption>\n</div>\n<script type=\"application/json\">{}</script>\n</figure>\n",
             escape(says),
             harmless(&self.told()),
         )

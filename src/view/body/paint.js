@@ -115,6 +115,9 @@ const Paint = (scene, poses) => {
   };
   const project = (camera, p) => camera.axes.map((axis, row) =>
     camera.centre[row] + camera.scales[row] * axis.reduce((sum, a, k) => sum + a * (p[k] - middle[k]), 0));
+  // The place that is seen at a point of the picture, given how near it is.
+  const unproject = (camera, at) => middle.map((m, k) => camera.axes.reduce((sum, axis, row) =>
+    sum + (axis[k] * (at[row] - camera.centre[row])) / camera.scales[row], m));
   const numbersAt = (list, from, count) => Array.from({ length: count }, (_, k) => list[from + k] / PARTS);
   const turnedBy = ([w, x, y, z]) => {
     const n = 2 / (w * w + x * x + y * y + z * z || 1);
@@ -124,7 +127,12 @@ const Paint = (scene, poses) => {
       [n * (x * z - w * y), n * (y * z + w * x), 1 - n * (x * x + y * y)],
     ];
   };
-  // A point of a part, where its pose puts it.
+  // A point of a part, where its pose puts it; and the reverse.
+  const localOf = ({ frames }, part, p) => {
+    const rows = turnedBy(numbersAt(frames, 7 * part, 4));
+    const from = numbersAt(frames, 7 * part + 4, 3).map((o, k) => p[k] - o);
+    return [0, 1, 2].map((k) => rows.reduce((sum, row, i) => sum + row[k] * from[i], 0));
+  };
   const placed = ({ frames }, part, p) => {
     const rows = turnedBy(numbersAt(frames, 7 * part, 4));
     const origin = numbersAt(frames, 7 * part + 4, 3);
@@ -238,7 +246,9 @@ const Paint = (scene, poses) => {
   return {
     layers,
     project,
+    unproject,
     placed,
+    localOf,
     cameraOf,
     point: (list, k) => numbersAt(list, 3 * k, 3),
     // A picture of all layers that are shown.

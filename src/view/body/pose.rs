@@ -49,17 +49,18 @@ impl Pose {
         self
     }
 
-    /// As the viewer takes it: of each limb a quaternion w x y z and an origin, and where each limb begins.
+    /// As the viewer takes it: the frame of each limb, and where it begins.
     pub fn told(&self) -> Value {
-        let numbers = |frame: &Frame| {
-            let q = frame.quaternion();
-            let o = frame.origin;
-            [q.w, q.i, q.j, q.k, o.x, o.y, o.z].map(whole)
-        };
         let frames: Vec<i64> = self.frames.iter().flat_map(numbers).collect();
         let begins: Vec<i64> = self.begins.iter().flat_map(point).collect();
         json!({ "frames": frames, "begins": begins })
     }
+}
+
+/// A frame as the viewer takes it: a quaternion w x y z and an origin.
+pub(super) fn numbers(frame: &Frame) -> [i64; 7] {
+    let (q, o) = (frame.quaternion(), frame.origin);
+    [q.w, q.i, q.j, q.k, o.x, o.y, o.z].map(whole)
 }
 
 /// The limbs that carry no other and have skin, and the middle of it in the limb's frame, metres.

@@ -54,22 +54,17 @@
   const send = (asked) =>
     fetch("ask", { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(asked) });
 
-  // What this browser looks at, which nobody else knows: a touch or a posture of a session, another one beside it, and the
-  // receptor that was clicked.
+  // What this browser looks at, which nobody else knows: a touch or a posture of a session, and another one beside it.
   const looked = document.querySelector("[data-session]");
   const number = (text) => (text === "" ? null : Number(text));
   const asked = looked && { session: number(looked.dataset.session), beside: number(looked.dataset.beside), touch: 0 };
-  const dofs = [...document.querySelectorAll("[data-coordinate]")];
-  let posture = [];
   const looking = (state) => {
-    ({ posture } = state);
-    element("about").textContent = state.about;
+    body.take(state.posture);
     element("doing").className = `verdict ${state.tone}`;
     if (element("touch")) {
       element("touch").value = state.touch;
       element("touch-number").textContent = state.touch || "rest";
     }
-    for (const dof of dofs) if (dof !== document.activeElement) dof.value = posture[dof.dataset.coordinate];
   };
 
   const words = (state) => {
@@ -148,19 +143,17 @@
       waits = false;
     };
     element("touch")?.addEventListener("input", () => show({ touch: Number(element("touch").value), posture: null }));
-    for (const dof of dofs) {
-      dof.addEventListener("input", () => {
-        posture[dof.dataset.coordinate] = Number(dof.value);
-        show({ posture, touch: 0 });
-      });
-    }
     // Another body is another page.
     for (const id of ["shown", "beside"]) {
       element(id)?.addEventListener("change", () => {
         location.search = `session=${element("shown").value}&beside=${element("beside").value}`;
       });
     }
-    body.onReceptor((receptor) => show({ receptor }));
+    // The body is then elsewhere than the last state put it: the next one is drawn even if it is the same.
+    body.onPosture((pulled) => {
+      placed = "";
+      show({ posture: pulled, touch: 0 });
+    });
     show({});
   }
 

@@ -41,6 +41,17 @@ pub struct LookedAt {
     pub touches: Vec<RecordedTouch>,
 }
 
+impl LookedAt {
+    /// How well a limb is located, in a sentence; of a model, which is no claim, the limb's name.
+    fn certainty(&self, limb: usize) -> String {
+        let creature = self.agent.creature();
+        match &self.record {
+            None => in_words(&creature.limbs()[limb]),
+            Some(record) => certainty(creature, record.reliable_account(), limb),
+        }
+    }
+}
+
 /// Sessions and models to look at. It keeps nothing of what a browser looks at: each has its own.
 pub struct LookingView {
     all: Vec<LookedAt>,
@@ -57,8 +68,6 @@ struct Looking<'a> {
     /// The touch that is shown, counted from 1.
     touch: Option<(usize, &'a RecordedTouch)>,
     posture: Posture,
-    /// The limb that was clicked last.
-    limb: Option<usize>,
     /// How far aside along y the other body stands, metres.
     aside: f64,
 }
@@ -86,12 +95,8 @@ impl LookingView {
             }
             (None, None) => (Posture::start(creature), None),
         };
-        let limb = match asked.receptor {
-            Some(clicked) => Some(agent.skin().receptors.get(clicked)?.limb),
-            None => None,
-        };
         let aside = beside.map_or(0.0, |(beside, _)| APART * (self.extents[shown.0] + self.extents[beside]));
-        Some(Looking { shown, beside, touch, posture, limb, aside })
+        Some(Looking { shown, beside, touch, posture, aside })
     }
 
     /// What a page's address asks for, as in `session=2&beside=0`: the first one, and where there are two the other beside it,
@@ -136,16 +141,7 @@ impl LookingView {
                 shown.touches.len()
             );
         }
-        html += "<details class=\"posture\"><summary>Posture</summary>\n<div class=\"dofs\">\n";
-        for at in shown.agent.creature().elements().filter(|at| !at.is_ball() && at.follows.is_none()) {
-            let ([low, high], coordinate, name) = (at.range, at.coordinate(), escape(&at.name));
-            let value = looking.posture[coordinate];
-            html += &format!(
-                "<label>{name} <input type=\"range\" data-coordinate=\"{coordinate}\" min=\"{low}\" max=\"{high}\" step=\"any\" \
-                 value=\"{value}\"/></label>\n"
-            );
-        }
-        html + "</div></details>\n"
+        html
     }
 }
 
@@ -165,16 +161,6 @@ impl Looking<'_> {
             poses.push(("other", Pose::new(own, &other.schema, &posture).moved(&aside)));
         }
         poses
-    }
-
-    /// What is known of the limb that was clicked last, in a sentence; empty for none.
-    fn about(&self) -> String {
-        let LookedAt { agent, record, .. } = self.shown.1;
-        match (self.limb, record) {
-            (None, _) => String::new(),
-            (Some(limb), None) => in_words(&agent.creature().limbs()[limb]),
-            (Some(limb), Some(record)) => certainty(agent.creature(), record.reliable_account(), limb),
-        }
     }
 
     /// The touch that is shown, in words; without one, the verdict.
@@ -218,6 +204,7 @@ impl LivePage for LookingView {
         // Without touches the skin itself is what there is to see.
         scene.layers[1].lit_alone = !shown.touches.is_empty();
         scene.add_joints(agent, open);
+        scene.add_kinematics(agent.creature(), &shown.schema, |limb| shown.certainty(limb));
         if shown.truth.is_some() {
             scene.add_truth(agent);
         }
@@ -226,11 +213,12 @@ impl LivePage for LookingView {
         }
         scene.poses = looking.poses();
         scene.room = room(self.extents[number], looking.aside);
-        let caption = "Click a limb to see how well it is located. Drag or use the arrow keys to rotate; Ctrl and the wheel zoom.";
+        let caption = "Drag a limb to pull it, or the background to rotate; click a limb to see how well it is located. Keys: arrows \
+                       rotate, N and P choose a limb, Shift and arrows pull it; Ctrl and the wheel zoom.";
         let body = scene.figure("The selected body", HEIGHT, "", caption);
         let content = format!(
             "<p class=\"verdict\" id=\"doing\" aria-live=\"polite\">{}</p>\n<section class=\"looking\" \
-             data-session=\"{}\" data-beside=\"{}\">\n<div>{body}</div>\n<div class=\"controls\">\n{}<p id=\"about\" class=\"note\" aria-live=\"polite\"></p>\n</div>\n</section>\n",
+             data-session=\"{}\" data-beside=\"{}\">\n<div>{body}</div>\n<div class=\"controls\">\n{}</div>\n</section>\n",
             escape(&looking.doing()),
             number,
             looking.beside.map_or(String::new(), |(beside, _)| beside.to_string()),
@@ -248,7 +236,6 @@ impl LivePage for LookingView {
         let told = json!({
             "doing": looking.doing(),
             "tone": record.map_or("", |record| Tone::of(record).name()),
-            "about": looking.about(),
             "touch": looking.touch.map_or(0, |(number, _)| number),
             "posture": &looking.posture[..],
             "felt": felt.unwrap_or_default(),

@@ -87,8 +87,6 @@ pub struct ShowRequest {
     pub touch: usize,
     /// A posture instead: coordinates in the creature's order, radians and metres.
     pub posture: Option<Vec<f64>>,
-    /// The receptor that was clicked last.
-    pub receptor: Option<usize>,
 }
 
 /// A server that runs until it is dropped.

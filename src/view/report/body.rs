@@ -31,15 +31,16 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
     let undetermined = input.undetermined();
     let mut scene = BodyScene::of_body(agent, input.schema, &undetermined, appearance, "learned");
     let account = input.record.reliable_account();
-    scene.tell_of_limbs(|limb| certainty(creature, account, limb));
+    scene.add_kinematics(creature, input.schema, |limb| certainty(creature, account, limb));
     let counts = counts(input);
     let drawn = most_touched(&counts);
     let left_out = counts.len() - drawn.len();
     let most = counts.iter().copied().max().unwrap_or(0);
     let shade = |count: usize| (count as f64).ln_1p() / (most.max(1) as f64).ln_1p();
     let receptors = &agent.skin().receptors;
-    let label =
-        |&receptor: &usize| format!("{}: touched {}", receptors[receptor].id, times(counts[receptor]));
+    let label = |&receptor: &usize| {
+        format!("{}: touched {}", receptors[receptor].id, plural(counts[receptor], "time"))
+    };
     let labels = drawn.iter().map(label).collect();
     scene.only_receptors(&drawn, labels, drawn.iter().map(|&receptor| shade(counts[receptor])).collect());
     scene.poses = vec![("learned", Pose::at_rest(creature, input.schema))];
@@ -60,29 +61,21 @@ pub(super) fn figure_of(input: &ReportInput, above: &str) -> String {
         scene.auras.clear();
     }
     scene.steps = steps(input);
-    let several = scene.steps.len() > 1;
     scene.room = room;
     let sides = room[1] - room[0];
     let aspect = (ROOM_ABOUT * sides.x.max(sides.y) / sides.z).clamp(NARROWEST, WIDEST);
     scene.beside = Some((above.into(), aspect));
     let over = if input.truth.is_some() { " over the true one (grey)" } else { "" };
+    let notes = [
+        (!bare, " Receptors, if switched on, are coloured by their number of touches.".to_string()),
+        (left_out > 0, format!(" The {left_out} least touched receptors are not drawn.")),
+        (scene.steps.len() > 1, " While learning plays, the millimetres are the RMS surface error of the limbs that are located in the end.".to_string()),
+    ];
+    let notes: String = notes.into_iter().filter_map(|(there, note)| there.then_some(note)).collect();
     let caption = format!(
-        "The learned body{over}, in the rest posture. Point at a limb to see how well it is located; click it to pick it \
-         out in the charts and tables, whose rows and cells light up their limbs here. Drag or use the arrow keys to \
-         rotate; Ctrl and the wheel zoom. Receptors{} are coloured by their number of touches; orange joints are not determined by the \
-         touches.{}{}",
-        if bare { "" } else { ", once switched on," },
-        if left_out > 0 {
-            format!(" The {left_out} least touched receptors are not drawn.")
-        } else {
-            String::new()
-        },
-        if several {
-            " The slider goes from a random initial guess to the final schema; the millimetres are the RMS \
-             surface error between limbs, over everything that the touches determine in the end."
-        } else {
-            ""
-        }
+        "The learned body{over}. Drag a limb to pull it, or the background to rotate; click a limb to pick it out in the charts and \
+         tables, which light it up here in turn. Keys: arrows rotate, + and − zoom (as Ctrl and the wheel), N and P choose a limb, \
+         Shift and arrows pull it, Esc goes back. Orange joints are not determined.{notes}"
     );
     scene.figure(
         &format!("The learned body{over} in three dimensions"),
@@ -137,12 +130,4 @@ fn counts(input: &ReportInput) -> Vec<usize> {
     let mut counts = vec![0; input.session.agent.skin().receptors.len()];
     input.touches.iter().flat_map(|touch| touch.ends).for_each(|end| counts[end.receptor] += 1);
     counts
-}
-
-fn times(count: usize) -> String {
-    match count {
-        0 => "never".into(),
-        1 => "once".into(),
-        n => plural(n, "time"),
-    }
 }

@@ -1,6 +1,9 @@
 //! The learning curve: the error and its bound as touches come in, and how far each touch was from its prediction.
 
+use std::slice::from_ref;
+
 use super::ReportInput;
+use crate::evaluation::touch_misses;
 use crate::named::plural;
 use crate::session::{Checkpoint, LearningRow};
 use crate::view::charts::{Chart, ChartGroup, ChartMark, Ink, Panel, Scale};
@@ -26,17 +29,33 @@ pub(super) fn figure_of(input: &ReportInput) -> String {
     let predicted: Vec<[f64; 3]> = input.predictions.iter().filter_map(prediction).collect();
     let every = predicted.len().div_ceil(MOST_DOTS).max(1);
     let predicted: Vec<[f64; 3]> = predicted.into_iter().step_by(every).collect();
+    // A touch and its two receptors, by which the page finds them on the body.
+    let receptors = &input.session.agent.skin().receptors;
+    let ends = |touch: usize| {
+        let ends = input.touches.get(touch.wrapping_sub(1)).map_or(&[][..], |touch| &touch.ends);
+        let ids = ends.iter().map(|end| format!(", {}", receptors[end.receptor].id));
+        format!("touch {touch}{}", ids.collect::<String>())
+    };
     let mut groups = Vec::new();
     let mut group = |name: &str, ink, marks| groups.push(ChartGroup::new(name, ink, marks));
     if !predicted.is_empty() {
         let dots = predicted.iter().map(|[touch, gap, deviation]| {
             let [missed, by] = [gap, deviation].map(|millimetres| number(*millimetres));
-            let says = format!("touch {touch}: prediction error {missed} mm, predicted ± {by} mm");
+            let says =
+                format!("{}: prediction error {missed} mm, predicted ± {by} mm", ends(*touch as usize));
             ChartMark::dot([*touch, *gap], 1.8, says)
         });
         group("prediction error of each touch, before it was used", Ink::Grey, dots.collect());
         let deviations = ChartMark::line(predicted.iter().map(|p| [p[0], p[2]]).collect(), "", 1.5);
         group("predicted deviation", Ink::Green, vec![deviations]);
+    } else if input.converged() == Some(true) && !input.touches.is_empty() {
+        let every = input.touches.len().div_ceil(MOST_DOTS).max(1);
+        let residuals = input.touches.iter().zip(1..).step_by(every).map(|(touch, number_of)| {
+            let residual = touch_misses(&input.session.agent, input.schema, from_ref(touch)).max;
+            let says = format!("{}: residual {} mm", ends(number_of), number(residual));
+            ChartMark::dot([number_of as f64, residual], 1.8, says)
+        });
+        group("contact residual of each touch, by the final schema", Ink::Grey, residuals.collect());
     }
     if let (Some([_, error]), false) = (initial_guess.first(), errors.is_empty()) {
         let x = errors.iter().chain(&limits).map(|p| p[0]).chain(predicted.iter().map(|p| p[0]));
