@@ -185,6 +185,8 @@ fn sessions_are_looked_at_touch_by_touch_in_any_posture_and_beside_each_other() 
     tab.call("Emulation.clearDeviceMetricsOverride", json!({}));
 
     // A posture that is none of a touch.
+    set(&element("touch"), "3", "input");
+    tab.wait("document.getElementById('doing').textContent.startsWith('touch 3 of 1000: ')");
     let elbow = "[...document.querySelectorAll('.dofs label')].find((label) => \
                  label.textContent.includes('left_elbow_flexion')).querySelector('input')";
     set(elbow, "1.5", "input");

@@ -230,11 +230,7 @@ impl Growth {
         if before.is_some_and(|before| grown || self.guess != before) {
             self.way.push((self.touches.len(), self.believed()));
             if self.way.len() > MOST_OF_WAY {
-                let mut number = 0;
-                self.way.retain(|_| {
-                    number += 1;
-                    number % 2 == 0
-                });
+                self.way = self.way.drain(..).skip(1).step_by(2).collect();
             }
         }
         grown

@@ -118,7 +118,8 @@ impl Growth {
         let numbers: Vec<usize> = (0..starts).collect();
         let mut solved: Vec<Solved> = Vec::new();
         for wave in numbers.chunks(AT_ONCE) {
-            let made: Vec<Solved> = in_parallel(wave.to_vec(), |number| self.start(problem, number, HOPELESS));
+            let made: Vec<Solved> =
+                in_parallel(wave.to_vec(), |number| self.start(problem, number, HOPELESS));
             self.starts += made.len();
             solved.extend(made);
             let good = solved.iter().any(Solved::closes_all);
@@ -239,10 +240,7 @@ impl Growth {
     pub(super) fn start(&self, problem: &PartProblem, number: usize, hopeless: f64) -> Solved {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream((self.solves << 16) + number as u64);
-        let guess = match self.belief.is_none() {
-            true => self.first_guess(problem, &mut rng),
-            false => self.guess(problem, number, &mut rng),
-        };
+        let guess = self.guess(problem, number, &mut rng);
         self.start_from(problem, guess, number, hopeless)
     }
 
@@ -324,18 +322,14 @@ impl Growth {
         }
     }
 
-    /// An initial guess of a body of which nothing is known.
-    fn first_guess(&self, problem: &PartProblem, rng: &mut ChaCha8Rng) -> BodySchema {
-        let mut guess = problem.base.clone();
-        for joint in (0..problem.between.len()).filter(|&joint| problem.between[joint]) {
-            randomize_joint(self.agent.creature(), &mut guess, joint, rng);
-        }
-        guess
-    }
-
-    /// An initial guess of a part, drawn from what is believed; of the first, what is known stays as it is.
+    /// An initial guess of a part, drawn from what is believed, if anything is; in the first one, what is known stays as it is.
     fn guess(&self, problem: &PartProblem, number: usize, rng: &mut ChaCha8Rng) -> BodySchema {
         let mut guess = problem.base.clone();
+        if self.belief.is_none() {
+            let between = (0..problem.between.len()).filter(|&joint| problem.between[joint]);
+            between.for_each(|joint| randomize_joint(self.agent.creature(), &mut guess, joint, rng));
+            return guess;
+        }
         for &joint in &problem.part.joints {
             let position = guess.positions[joint];
             randomize_joint(self.agent.creature(), &mut guess, joint, rng);

@@ -11,6 +11,8 @@
   // How often curves are drawn.
   const CURVE_EVERY = 2000;
   let newest = null;
+  // Whether the body was pulled to where no state has it yet.
+  let ahead = false;
   let last = null;
   let before = null;
   let glow = [];
@@ -95,8 +97,8 @@
     const state = newest;
     const poses = JSON.stringify(state.poses);
     const changes = lights(state);
-    if (changes || poses !== placed) body.show(state.poses, glow);
-    placed = poses;
+    if (changes || poses !== placed) body.show(ahead ? {} : state.poses, glow);
+    placed = ahead ? "" : poses;
     if (state !== last) {
       last = state;
       words(state);
@@ -106,6 +108,7 @@
   };
   const receive = (state) => {
     newest = state;
+    ahead = false;
     soon();
     // Of the last state there are no later ones to be drawn with.
     if (!state.wanted || (curvesDue && !state.report)) return;
@@ -149,9 +152,9 @@
         location.search = `session=${element("shown").value}&beside=${element("beside").value}`;
       });
     }
-    // The body is then elsewhere than the last state put it: the next one is drawn even if it is the same.
+    // The next state is drawn even if it is the same as the last: the body is elsewhere.
     body.onPosture((pulled) => {
-      placed = "";
+      [ahead, placed] = [true, ""];
       show({ posture: pulled, touch: 0 });
     });
     show({});
