@@ -25,7 +25,7 @@ const TOUCHES: [usize; 2] = [1, 8];
 
 /// Draw a model in a posture, or a session, as a picture or a film.
 ///
-/// MuJoCo's renderer draws offscreen, with EGL or OSMesa. A picture shows a model or a session in the rest posture or
+/// MuJoCo's renderer draws offscreen, with EGL. A picture shows a model or a session in the rest posture or
 /// the one given by --posture; for a session, --touch shows a touch with its two receptors lit, and --schema the
 /// learned body over a faint true one. A film moves from touch to touch or, with --learning, through the schema's
 /// checkpoints from the initial guess on. Films need ffmpeg.
@@ -38,8 +38,7 @@ const TOUCHES: [usize; 2] = [1, 8];
   bodyschema render sessions/max-1 --learning --size 320x320 --out learning.mp4
   bodyschema render sessions/max-1 --touches 2..2 --frames-per-second 4 --size 320x320 --out frame-%03d.png
 
-The environment variable BODYSCHEMA_GL selects the OpenGL library: egl, osmesa or none. If it is unset, EGL is tried first,
-then OSMesa.")]
+With BODYSCHEMA_GL=none in the environment no OpenGL is used.")]
 pub struct RenderArguments {
     /// An MJCF file, or a session's folder
     #[arg(value_name = "MODEL|SESSION")]

@@ -51,9 +51,7 @@ pub enum Error {
         message: String,
     },
     /// Nothing can be drawn.
-    #[error(
-        "no OpenGL available ({reason}): install Debian's packages libegl1 and libgl1-mesa-dri, or libosmesa6"
-    )]
+    #[error("no OpenGL available ({reason}): install Debian's packages libegl1 and libgl1-mesa-dri")]
     OpenGl {
         /// What was tried, and what it lacked.
         reason: String,

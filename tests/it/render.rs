@@ -225,11 +225,11 @@ fn without_opengl_a_sentence_says_so_and_all_else_works() {
         command.args(arguments).current_dir(place.path()).env("BODYSCHEMA_GL", library).output().unwrap()
     };
     let model = max();
-    for (library, words) in [("none", "BODYSCHEMA_GL=none"), ("vulkan", "set it to egl, osmesa or none")] {
+    for (library, words) in [("none", "BODYSCHEMA_GL=none"), ("osmesa", "set it to egl or none")] {
         let output = with(library, &["render", &model, "--out", "max.png"]);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains(words) && said.contains("libegl1") && said.contains("libosmesa6"), "{said}");
+        assert!(said.contains(words) && said.contains("libegl1"), "{said}");
         assert_eq!(said.trim().lines().count(), 1, "{said}");
         assert!(!place.path().join("max.png").exists());
     }
