@@ -149,7 +149,8 @@ def test_touches_and_schema_are_the_programs_byte_for_byte(program: Path, tmp_pa
     for file in ["touches.jsonl", "schema.json", "learned.xml"]:
         assert filecmp.cmp(tmp_path / "program" / file, tmp_path / "package" / file, shallow=False), file
     session, schema = bs.open(tmp_path / "program")
-    assert schema is not None and schema.converged and len(session) > 100
+    # Two seconds of work are too few.
+    assert schema is not None and schema.converged == ("work" not in options) and len(session) > 50
     again = bs.learn(session)
     assert np.array_equal(again.positions, bs.learn(session).positions)
 

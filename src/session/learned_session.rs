@@ -247,7 +247,7 @@ fn facts(
     facts.push(("random initial guesses", learned.initial_guesses.to_string()));
     facts.push(("learning", format!("{seconds:.2} s")));
     facts.extend(changes(session.agent.creature(), learned).into_iter().map(|change| (CHANGE, change)));
-    facts.extend(ended_by.map(|limit| ("the search ended", limit.to_string())));
+    facts.extend(ended_by.map(|limit| ("search", format!("ended {limit}"))));
     facts.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
