@@ -104,11 +104,10 @@ class Recall:
         """Keeps postures (M, D) in which a pair touched, and how often they were reached in an episode."""
         postures = np.atleast_2d(np.asarray(postures, float))
         counts = np.full(len(postures), felt)
-        known = self.memory.get(pair)
-        if known is not None:
-            postures = np.vstack([known.postures, postures])
-            counts, tried = np.append(known.felt, counts), np.append(known.tried, counts)
-        self.memory[pair] = Memory(self.joints[pair], postures, counts if known is None else tried, counts.copy())
+        memory = self.memory.get(pair, Memory(self.joints[pair], postures[:0], counts[:0], counts[:0]))
+        memory.postures = np.vstack([memory.postures, postures])
+        memory.tried, memory.felt = np.append(memory.tried, counts), np.append(memory.felt, counts)
+        self.memory[pair] = memory
 
     def babbled(self, session: bs.Session, most: int = 200) -> None:
         """Remembers the touches of a session, of each pair so many."""

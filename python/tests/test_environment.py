@@ -90,7 +90,7 @@ def test_a_seed_gives_the_same_alone_and_among_others(env: Any, three: Any) -> N
 def test_touches_of_several_are_each_its_own(three: Any, session: bs.Session) -> None:
     posture = session.postures[0]
     three.reset(options={"posture": posture})
-    start = three.unwrapped._crowd.start
+    start = three.unwrapped.start
     # The middle one lets go.
     actions, seen = [posture + 0.3 * (posture - start), start, posture + 0.3 * (posture - start)], 0
     for _ in range(20):
@@ -111,7 +111,7 @@ def test_an_episode_ends_and_begins_anew_in_the_next_step(three: Any) -> None:
     assert ends == [False] * 19 + [True]
     observation, reward, terminated, truncated, _ = three.step(action)
     assert not observation[:, D:].any() and not reward.any() and not terminated.any() and not truncated.any()
-    assert np.abs(observation[:, :D] - three.unwrapped._crowd.start).max() < 0.2
+    assert np.abs(observation[:, :D] - three.unwrapped.start).max() < 0.2
 
 
 def test_observations_are_kept_by_whoever_keeps_them(three: Any) -> None:

@@ -51,6 +51,18 @@ const PLAYED: &str = r#"await (async () => {
     return [counted, document.querySelector(".slider output").textContent, button.textContent, rate];
 })()"#;
 
+/// Gives a page `settled()`, which waits until its body is not drawn any more.
+const SETTLED: &str = r#"(() => {
+    const { body } = document.getElementById("body");
+    window.settled = async () => {
+        for (let draws = -1; draws !== body.draws();) {
+            draws = body.draws();
+            await new Promise((done) => setTimeout(done, 1000));
+        }
+    };
+    return 0;
+})()"#;
+
 /// Opens a page and waits until the pictures that it begins with are drawn; it fetches nothing and complains of nothing.
 fn open(browser: &'static Browser, page: &Path) -> Tab {
     let address = format!("file://{}", page.display());
@@ -60,6 +72,7 @@ fn open(browser: &'static Browser, page: &Path) -> Tab {
     requests.retain(|request| *request != address && !request.starts_with("data:"));
     assert_eq!(requests, Vec::<String>::new());
     assert_eq!(tab.complaints(), Vec::<String>::new());
+    tab.evaluate(SETTLED);
     tab
 }
 
@@ -179,12 +192,6 @@ fn every_picture_is_drawn_and_nothing_is_fetched() {
     let linked = tab.evaluate(
         r#"await (async () => {
         const canvas = document.getElementById("body");
-        const settled = async () => {
-            for (let draws = -1; draws !== canvas.body.draws();) {
-                draws = canvas.body.draws();
-                await new Promise((done) => setTimeout(done, 1000));
-            }
-        };
         const box = canvas.getBoundingClientRect();
         const at = { clientX: box.left + box.width / 2, clientY: 0, pointerId: 1, bubbles: true };
         canvas.setPointerCapture = () => {};
@@ -383,18 +390,8 @@ fn limbs_are_pulled_by_mouse_finger_and_keys_within_the_ranges_of_joints() {
         let tab = open(browser, &place.path().join(session).join("report.html"));
         let said =
             || tab.evaluate("document.querySelector('.said').textContent").as_str().unwrap().to_string();
-        let picture = || {
-            tab.evaluate(
-                r#"await (async () => {
-                    const canvas = document.getElementById("body");
-                    for (let draws = -1; draws !== canvas.body.draws();) {
-                        draws = canvas.body.draws();
-                        await new Promise((done) => setTimeout(done, 1000));
-                    }
-                    return canvas.toDataURL();
-                })()"#,
-            )
-        };
+        let picture =
+            || tab.evaluate("await settled().then(() => document.getElementById('body').toDataURL())");
         assert_eq!(tab.evaluate("document.querySelector('.hint').textContent"), "Drag a limb to pull it.");
         let at_rest = picture();
         let at = tab.evaluate(HANDLE);

@@ -3,8 +3,8 @@
 //! Touches in which everything moves tell most: of few unknowns all are learned from little more touches than there are unknowns.
 //! Random initial guesses of so many seldom find their answer. So the best answer so far is kept, right or not, and made better as
 //! touches come: it goes on from where it was, and from where it was but for those joints whose touches it leaves widest
-//! apart, which are drawn anew; and now and then all of them are. By such an answer it can be foretold what a motion will touch, and
-//! what that would tell.
+//! apart, which are drawn anew; one start begins with nothing of it. By such an answer it can be foretold what a motion will touch,
+//! and what that would tell.
 
 use nalgebra::DMatrix;
 use rand::SeedableRng;

@@ -11,7 +11,6 @@ const Body = (figure) => {
   const SLOW = 24;
   const QUICK = [1, 0.8, 0.65, 0.5];
   const MOST_PIXELS = 3e6;
-  const PARTS = 1e4;
   const BONE = "#1f6fb2";
   const OPEN = "#e08214";
   const NOBODY = -1;
@@ -323,7 +322,7 @@ const Body = (figure) => {
     const own = element("input", { type: "range", min, max, step: "any" });
     own.dataset.coordinate = coordinate;
     own.addEventListener("input", () => {
-      const next = [...(posture || kinematics.allowed(kinematics.rest))];
+      const next = [...(posture || kinematics.rest)];
       next[coordinate] = Number(own.value);
       toLast();
       pose(kinematics.allowed(next));
@@ -454,7 +453,7 @@ const Body = (figure) => {
   chooser?.addEventListener("change", () => pick(chooser.value === "" ? null : Number(chooser.value)));
   const rest = () => {
     pose(null);
-    postureTaken?.(kinematics.allowed(kinematics.rest));
+    postureTaken?.(kinematics.rest);
   };
   restButton.addEventListener("click", () => {
     rest();
@@ -610,7 +609,7 @@ const Body = (figure) => {
     },
     take(given) {
       posture = given;
-      restButton.hidden = kinematics.allowed(kinematics.rest).every((x, k) => x === given[k]);
+      restButton.hidden = kinematics.rest.every((x, k) => x === given[k]);
       showCoordinates();
     },
     kinematics,

@@ -1,12 +1,13 @@
 "use strict";
+// Numbers are told in so many parts of a metre, and of 1.
+const PARTS = 1e4;
+
 // Fills bodies into the pixels of a canvas: 13,000 triangles of Max in some 10 ms.
 //
 // By this script and not by WebGL, for most of those who read reports on servers and in virtual machines have no graphics
 // card. Measured in Chromium 990 pixels wide on two cores without one: so many triangles take WebGL 150 ms a frame
 // (SwiftShader), these pixels with all else 25 ms. A library that could do both (three.js) is half a page's bytes.
 const Paint = (scene, poses) => {
-  // Numbers are told in so many parts of a metre.
-  const PARTS = 1e4;
   // Steps between the dark and the light side of a colour, with room at both ends for rounding.
   const SHADES = 64;
   const PAD = 2;

@@ -4,7 +4,6 @@
 // `joints` is the learned schema: joint i carries limb i + 1. `size` is a length of the body, metres. A posture is a list of
 // coordinates in the order of the joints: radians, metres, and of a ball a quaternion w x y z.
 const Kinematics = (joints, size) => {
-  const PARTS = 1e4;
   // Damping, the longest step of the point, and the tolerance, as shares of the size; and the most steps.
   const DAMPING = 0.04;
   const STEP = 0.12;
@@ -59,7 +58,8 @@ const Kinematics = (joints, size) => {
     }
     return next;
   };
-  const rest = dofs.flatMap(({ kind }) => (kind === "ball" ? [1, 0, 0, 0] : [0]));
+  // The rest posture, or the nearest to it within the ranges.
+  const rest = allowed(dofs.flatMap(({ kind }) => (kind === "ball" ? [1, 0, 0, 0] : [0])));
 
   // Carries the frame of a joint's parent to the limb beyond it; `visit` sees each degree of freedom with the frame before it.
   const carry = ({ at, dofs: own, pose }, posture, frame, visit = () => {}) => {

@@ -61,7 +61,7 @@
   const number = (text) => (text === "" ? null : Number(text));
   const asked = looked && { session: number(looked.dataset.session), beside: number(looked.dataset.beside), touch: 0 };
   const looking = (state) => {
-    body.take(state.posture);
+    if (!ahead) body.take(state.posture);
     element("doing").className = `verdict ${state.tone}`;
     if (element("touch")) {
       element("touch").value = state.touch;
@@ -98,7 +98,7 @@
     const poses = JSON.stringify(state.poses);
     const changes = lights(state);
     if (changes || poses !== placed) body.show(ahead ? {} : state.poses, glow);
-    placed = ahead ? "" : poses;
+    placed = poses;
     if (state !== last) {
       last = state;
       words(state);
@@ -108,7 +108,8 @@
   };
   const receive = (state) => {
     newest = state;
-    ahead = false;
+    // It is drawn even if it is the same as the last: the body is elsewhere.
+    if (ahead) [ahead, placed] = [false, ""];
     soon();
     // Of the last state there are no later ones to be drawn with.
     if (!state.wanted || (curvesDue && !state.report)) return;
@@ -152,9 +153,8 @@
         location.search = `session=${element("shown").value}&beside=${element("beside").value}`;
       });
     }
-    // The next state is drawn even if it is the same as the last: the body is elsewhere.
     body.onPosture((pulled) => {
-      [ahead, placed] = [true, ""];
+      ahead = true;
       show({ posture: pulled, touch: 0 });
     });
     show({});
