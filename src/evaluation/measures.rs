@@ -1,6 +1,7 @@
 //! The single measures and their summaries.
 
 use nalgebra::Vector3;
+use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -65,22 +66,20 @@ pub struct HeldOutPoint {
     pub p_a: Vector3<f64>,
 }
 
-/// At [`HELD_OUT_POSTURES`] random postures, a random skin point of a random limb, to be expressed in the
-/// frame of another random limb. Always the same of one creature and skin.
+/// At [`HELD_OUT_POSTURES`] random postures, a random skin point of a limb, to be expressed in the frame of another: all pairs
+/// of limbs in turn, in a random order. Always the same of one creature and skin.
 pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(HELD_OUT_SEED);
     let (skin, limbs) = (agent.skin(), agent.limbs_with_skin());
-    let on_limb: Vec<Vec<usize>> = limbs.iter().map(|&limb| skin.receptors_on(limb).collect()).collect();
-    if limbs.len() < 2 {
-        return Vec::new();
-    }
+    let beyond = |(n, &a): (usize, &usize)| limbs[n + 1..].iter().map(move |&b| [a, b]).collect::<Vec<_>>();
+    let mut pairs: Vec<[usize; 2]> = limbs.iter().enumerate().flat_map(beyond).collect();
+    pairs.shuffle(&mut rng);
     let mut points = Vec::with_capacity(HELD_OUT_POSTURES);
-    for _ in 0..HELD_OUT_POSTURES {
+    for pair in pairs.into_iter().cycle().take(HELD_OUT_POSTURES) {
         let posture = Posture::random(agent.creature(), &mut rng);
-        let from = rng.random_range(0..limbs.len());
-        let to = (from + rng.random_range(1..limbs.len())) % limbs.len();
-        let (a, b) = (limbs[from], limbs[to]);
-        let receptor = &skin.receptors[on_limb[from][rng.random_range(0..on_limb[from].len())]];
+        let [a, b] = if rng.random() { pair } else { [pair[1], pair[0]] };
+        let on_limb: Vec<usize> = skin.receptors_on(a).collect();
+        let receptor = &skin.receptors[on_limb[rng.random_range(0..on_limb.len())]];
         let [u, v] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_a = receptor.position + receptor.tangent * u + receptor.bitangent() * v;
         points.push(HeldOutPoint { posture, limbs: [a, b], p_a });

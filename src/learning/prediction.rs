@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, Vector3};
 
 use crate::agent::Agent;
-use crate::geometry::tangent_basis;
+use crate::geometry::{Frame, tangent_basis};
 use crate::kinematics::SideJacobian;
 use crate::learning::least_squares::LeastSquares;
 use crate::learning::surface_gap::SurfaceGap;
@@ -33,8 +33,20 @@ pub struct GapRow {
 impl GapRow {
     /// Sets the row to a touch at a schema. Buffers are used again.
     pub fn set(&mut self, skin: &Skin, parameters: &Parameters, schema: &BodySchema, touch: &PreparedTouch) {
+        self.set_shifted(skin, parameters, schema, touch, &[Vector3::zeros(); 2]);
+    }
+
+    /// The same where the skin of either end is shifted on its limb, in the limb's frame, metres.
+    pub fn set_shifted(
+        &mut self,
+        skin: &Skin,
+        parameters: &Parameters,
+        schema: &BodySchema,
+        touch: &PreparedTouch,
+        shifts: &[Vector3<f64>; 2],
+    ) {
         let frames = touch.frames(schema);
-        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &frames);
+        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &shifted(&frames, shifts));
         self.gap = found.distance;
         self.points = [0, 1].map(|k| frames[k].inverse_point(&found.middle()));
         self.normals =
@@ -91,6 +103,11 @@ impl GapRow {
     pub fn variance(&self, covariance: &DMatrix<f64>) -> f64 {
         row_variance(&self.entries, covariance)
     }
+}
+
+/// Frames of two limbs from which skin is seen as it is where it is shifted on them, each in its limb's frame, metres.
+pub(super) fn shifted(frames: &[Frame; 2], shifts: &[Vector3<f64>; 2]) -> [Frame; 2] {
+    [0, 1].map(|k| Frame { origin: frames[k].point(&shifts[k]), ..frames[k] })
 }
 
 /// `j Σ jᵀ` of a derivative j, given as pairs of a parameter's place and the derivative by it.

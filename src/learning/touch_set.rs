@@ -378,7 +378,7 @@ impl PreparedTouch {
 }
 
 impl ChainColumns {
-    /// Adds a pair's normal equations to those of all parameters.
+    /// Adds a pair's normal equations to those of all parameters: of the Hessian the lower triangle.
     fn scatter(&self, hessian: &DMatrix<f64>, gradient: &DVector<f64>, total: &mut Linearization) {
         let places = || {
             self.blocks.iter().scan(0, |local, &(offset, width)| {
@@ -386,13 +386,19 @@ impl ChainColumns {
                 Some((*local - width, offset, width))
             })
         };
+        let (height, total_height) = (hessian.nrows(), total.hessian.nrows());
+        let (from, to) = (hessian.as_slice(), total.hessian.as_mut_slice());
         for (column, column_offset, column_width) in places() {
-            let mut block = total.gradient.rows_mut(column_offset, column_width);
-            block += gradient.rows(column, column_width);
-            for (row, row_offset, row_width) in places() {
-                let size = (row_width, column_width);
-                let mut block = total.hessian.view_mut((row_offset, column_offset), size);
-                block += hessian.view((row, column), size);
+            for k in 0..column_width {
+                total.gradient[column_offset + k] += gradient[column + k];
+                let from = &from[(column + k) * height..][..height];
+                let to = &mut to[(column_offset + k) * total_height..][..total_height];
+                for (row, offset, width) in places().filter(|&(_, offset, _)| offset >= column_offset) {
+                    to[offset..offset + width]
+                        .iter_mut()
+                        .zip(&from[row..])
+                        .for_each(|(to, from)| *to += from);
+                }
             }
         }
     }

@@ -156,8 +156,12 @@ fn a_study_of_herschs_rule_compares_what_it_is_given() {
         let exact = |row: &&Value| row["given"] == "touch, exact points" && row["rule"] == rule;
         rows.iter().filter(|row| row["initial_guess"] == guess).filter(exact).collect()
     };
-    for (near, far) in of("20 passes", "30°").into_iter().zip(of("20 passes", "90°")) {
-        assert!(near["before_mm"].as_f64() < far["before_mm"].as_f64(), "{near} {far}");
+    // Where joints are far off in a guess is chance, how far their axes are is not.
+    let before = |guess: &str| {
+        of("20 passes", guess).iter().map(|row| row["before_mm"].as_f64().unwrap()).sum::<f64>()
+    };
+    assert!(before("30°") < before("90°"));
+    for near in of("20 passes", "30°") {
         assert!(near["heldout_mm"].as_f64() < near["before_mm"].as_f64(), "{near}");
     }
     for (whole, once) in of("20 passes", "30°").into_iter().zip(of("1 pass", "30°")) {

@@ -11,6 +11,8 @@ use crate::creature::{DofElement, DofKind, ball};
 
 /// Products beyond which touches are not compared: nobody makes so many touches of two limbs with the same joints moving.
 const MOST_PRODUCTS: usize = 100;
+/// The conditions that touches make of which one coordinate moves, of a hinge or a slide, at the most.
+pub(super) const OF_ONE_COORDINATE: usize = 3;
 /// The least share by which a touch's products differ from all combinations of those before for a new condition: an answer that
 /// meets those by chance then misses it by more than what counts as closed.
 const NEW: f64 = 1e-3;

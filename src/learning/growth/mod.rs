@@ -202,6 +202,7 @@ impl Growth {
         let told = ToldTouch::new(creature, limbs, prepared, &touch.posture);
         let elements = told.moving.iter().flat_map(|&joint| creature.joints()[joint].elements());
         let factors: Vec<Vec<f64>> = elements.map(|at| conditions::factors(at, &touch.posture)).collect();
+        let most = conditions::most(factors.iter().map(Vec::len));
         let conditions = self.conditions.entry((limbs, told.moving.clone())).or_default();
         let is_new = conditions.take(&factors);
         let alike = if is_new { conditions.new } else { conditions.touches };
@@ -211,9 +212,8 @@ impl Growth {
         // Many touches that are alike are one wrong answer's majority; what moves by one coordinate meets in one place.
         let spare = alike > least.max((PATIENT.touches * self.width(&unresolved) as f64) as usize)
             || told.moving.is_empty()
-            || !is_new && factors.len() < 2;
-        let suffices = conditions::most(factors.iter().map(Vec::len)) as f64
-            >= PATIENT.touches * self.width(&told.moving) as f64;
+            || !is_new && most <= conditions::OF_ONE_COORDINATE;
+        let suffices = most as f64 >= PATIENT.touches * self.width(&told.moving) as f64;
         let told = Arc::new(told);
         self.touches.push(GrownTouch { told, used: false, is_new, suffices, spare, refused: None });
         let due = self.touches.len() >= self.next;

@@ -9,21 +9,25 @@
 //! (Britt and Luecke, "The Estimation of Parameters in Nonlinear, Implicit Models", 1973). What is fitted is `g(q + ê) − S ê`, with
 //! its derivatives by parameters at `q + ê`. Derivatives at `q` are off by the same errors as the gaps, and what is fitted with
 //! them is off by as much as `σ_q²` makes it, however many touches there are.
+//!
+//! The same holds of skin under receptors that are not where they were told to be: where it is shifted along itself, the surfaces
+//! meet elsewhere, and at another angle. What is linear in the shifts is taken about those that are the likeliest by all touches.
 
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
-use super::estimate::Noise;
+use super::estimate::{MixedSystem, Noise};
 use super::gap::{Compared, NoisyGap, axes_of_misses, widths};
 use crate::agent::Agent;
-use crate::learning::Parameters;
+use crate::learning::observation::Observation;
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
+use crate::learning::{AxisModel, Parameters};
 use crate::schema::BodySchema;
 
-/// Repetitions of the likeliest error of a touch's posture: it is small, and the first leaves its square.
+/// Repetitions of the likeliest error of a touch's posture, and of where skin is: they are small, and the first leaves their square.
 const REPETITIONS: usize = 3;
 
 /// Touches that are adjusted, as the head of this file says.
@@ -34,6 +38,9 @@ pub struct Adjusted<'a> {
     /// Per gap, what it has there without being open, metres, and how that varies beyond what is linear in the errors, m²; empty
     /// where all touches are as they were read.
     pub offsets: Vec<[f64; 2]>,
+    /// Per receptor, how far the skin under it is most likely from where it was told to be, in its limb's frame, metres; empty
+    /// where all is there.
+    pub(super) shifts: Vec<Vector3<f64>>,
     /// Per touch, the axes along which its points are compared, and the variance that they were told to have along each, m².
     pub axes: Vec<(Matrix3<f64>, [f64; 3])>,
 }
@@ -41,7 +48,12 @@ pub struct Adjusted<'a> {
 impl<'a> Adjusted<'a> {
     /// Touches as they were read.
     pub fn none(touches: &'a TouchSet) -> Adjusted<'a> {
-        Adjusted { touches: Cow::Borrowed(touches), offsets: Vec::new(), axes: Vec::new() }
+        Adjusted {
+            touches: Cow::Borrowed(touches),
+            offsets: Vec::new(),
+            shifts: Vec::new(),
+            axes: Vec::new(),
+        }
     }
 
     /// Touches by a schema in some noise.
@@ -52,21 +64,37 @@ impl<'a> Adjusted<'a> {
         noise: &Noise,
     ) -> Adjusted<'a> {
         let mut adjusted = Adjusted::none(touches);
-        if noise.joint <= 0.0 {
-            return adjusted;
+        if noise.joint > 0.0 {
+            adjusted.turn((agent, compared), schema, noise);
         }
-        let mut moved = touches.clone();
+        if noise.receptor > 0.0 && compared == Compared::Surfaces {
+            let nothing = Parameters::new(agent.creature(), AxisModel::Unit, |_| false);
+            for _ in 0..REPETITIONS {
+                let gaps = gaps_of((agent, compared), &adjusted, &nothing, schema);
+                let system = MixedSystem::new(noise, &gaps, &DMatrix::zeros(0, 0), None);
+                let Some(factor) = system.eliminated().and_then(|eliminated| eliminated.factor) else {
+                    break;
+                };
+                adjusted.shifts = system.likeliest_shifts(&gaps, &factor);
+            }
+        }
+        adjusted
+    }
+
+    /// Moves the touches to the postures in which they most likely were made.
+    fn turn(&mut self, (agent, compared): (&Agent, Compared), schema: &BodySchema, noise: &Noise) {
+        let touches = &self.touches;
+        let mut moved = touches.clone().into_owned();
         for (pair, width) in moved.pairs.iter_mut().zip(widths(agent, touches)) {
             for touch in &mut pair.touches {
                 let comparison = Comparison { agent, compared, schema, noise, width };
                 let (error, honest) = comparison.adjust(touch);
                 let axes = axes_of_misses(schema, touch);
-                adjusted.offsets.extend(comparison.offsets(touch, &axes, &error, honest));
-                adjusted.axes.push(axes);
+                self.offsets.extend(comparison.offsets(touch, &axes, &error, honest));
+                self.axes.push(axes);
             }
         }
-        adjusted.touches = Cow::Owned(moved);
-        adjusted
+        self.touches = Cow::Owned(moved);
     }
 }
 
@@ -75,10 +103,21 @@ impl<'a> Adjusted<'a> {
 /// Joints that are misread move two points apart in some directions more than in others: their gaps are taken along the axes in
 /// which these motions are independent of one another.
 pub fn gaps_of(
+    of: (&Agent, Compared),
+    adjusted: &Adjusted,
+    parameters: &Parameters,
+    schema: &BodySchema,
+) -> Vec<NoisyGap> {
+    gaps_where_skin_is(of, adjusted, parameters, schema, &adjusted.shifts)
+}
+
+/// The same where the skin under receptors is shifted, by what is linear in that less: it is for whoever asks where skin is.
+pub(super) fn gaps_where_skin_is(
     (agent, compared): (&Agent, Compared),
     adjusted: &Adjusted,
     parameters: &Parameters,
     schema: &BodySchema,
+    shifts: &[Vector3<f64>],
 ) -> Vec<NoisyGap> {
     let skin = agent.skin();
     let mut row = GapRow::default();
@@ -104,7 +143,10 @@ pub fn gaps_of(
             };
             match compared {
                 Compared::Surfaces => {
-                    row.set(skin, parameters, schema, touch);
+                    let of_end = |end: &Observation| shifts.get(end.receptor).copied().unwrap_or_default();
+                    let shifts = touch.ends.each_ref().map(of_end);
+                    row.set_shifted(skin, parameters, schema, touch, &shifts);
+                    row.gap -= (0..2).map(|k| row.normals[k].dot(&shifts[k])).sum::<f64>();
                     push(&row, 0.0);
                 }
                 Compared::Points => {
@@ -258,11 +300,10 @@ impl Comparison<'_> {
 mod tests {
     use super::*;
     use crate::creature::{Creature, Dof, DofKind, Joint};
+    use crate::geometry::Shape;
     use crate::kinematics::{Chain, ChainSide};
-    use crate::learning::AxisModel;
-    use crate::learning::observation::Observation;
     use crate::learning::touch_set::LimbTouch;
-    use crate::skin::{Receptor, Skin};
+    use crate::skin::{Receptor, Skin, Surface};
     use nalgebra::UnitQuaternion;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -363,5 +404,61 @@ mod tests {
         let frames = |touches: &TouchSet| touches.pairs[0].touches[0].frames(&schema)[1];
         let moved = frames(&adjusted.touches).origin - frames(&touches).origin;
         assert!(moved.norm() < 1e-9, "{moved}");
+    }
+
+    #[test]
+    fn skin_is_found_where_it_is_and_not_where_it_was_told_to_be() {
+        const RADIUS: f64 = 0.02;
+        let slide =
+            |name: &str| Dof { name: name.into(), kind: DofKind::Slide, range: [-1.0, 1.0], follows: None };
+        let joint = Joint::new("crane", 0, ["x", "y", "z"].map(slide).to_vec());
+        let limbs = ["trunk", "hand"].map(String::from).to_vec();
+        let creature = Creature::new("crane".into(), limbs, vec![joint], Vec::new()).unwrap();
+        let mut schema = BodySchema::zero(&creature);
+        schema.axes = [Vector3::x(), Vector3::y(), Vector3::z()].to_vec();
+        let ball = |limb| Surface {
+            limb,
+            origin: Vector3::zeros(),
+            rotation: Matrix3::identity(),
+            shape: Shape::Sphere { radius: RADIUS },
+            geom: 0,
+        };
+        let receptor = |limb| Receptor {
+            id: format!("on {limb}"),
+            limb,
+            position: Vector3::x() * RADIUS,
+            normal: Vector3::x(),
+            tangent: Vector3::y(),
+            half_extents: [0.01; 2],
+            surface: Some(limb),
+        };
+        let skin = Skin { receptors: [0, 1].map(receptor).to_vec(), surfaces: [0, 1].map(ball).to_vec() };
+        let agent = Agent::new(creature, skin).unwrap();
+        // How far from where it was told to be the trunk's ball is, seen from the hand's.
+        let displaced = Vector3::new(3e-3, -2e-3, 4e-3);
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut touches = TouchSet::default();
+        for _ in 0..20 {
+            let away = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)).normalize();
+            let posture = displaced + away * (2.0 * RADIUS);
+            let touch = LimbTouch::of_receptors(agent.skin(), [0, 1], posture.as_slice());
+            touches.push(agent.creature(), touch);
+        }
+        let noise = Noise { receptor: 3e-3, ..Noise::of_gaps(1e-6) };
+        let left = |adjusted: &Adjusted, shifts: &[Vector3<f64>]| {
+            let nothing = Parameters::new(agent.creature(), AxisModel::Unit, |_| false);
+            let gaps = gaps_of((&agent, Compared::Surfaces), adjusted, &nothing, &schema);
+            let of = |gap: &NoisyGap| {
+                gap.gap + gap.shifts().map(|(k, normal)| normal.dot(&shifts[k])).sum::<f64>()
+            };
+            gaps.iter().map(|gap| of(gap).abs()).fold(0.0, f64::max)
+        };
+        let adjusted = Adjusted::of((&agent, Compared::Surfaces), &touches, &schema, &noise);
+        let found = adjusted.shifts[0] - adjusted.shifts[1];
+        // But for a hundredth, by what is believed of skin before it is felt.
+        assert!((found - displaced).norm() < 1e-4, "{found}");
+        assert!(left(&adjusted, &adjusted.shifts) < 1e-4);
+        // What is linear about where it was told to be leaves more.
+        assert!(left(&Adjusted::none(&touches), &adjusted.shifts) > 2e-4);
     }
 }

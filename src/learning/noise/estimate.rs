@@ -193,14 +193,12 @@ pub(super) struct MixedSystem {
     pub receptor: f64,
     information: DMatrix<f64>,
     gradient: DVector<f64>,
-    squares: f64,
 }
 
 /// The normal equations of the parameters with the shifts eliminated.
 pub(super) struct Eliminated {
     pub information: DMatrix<f64>,
     pub gradient: DVector<f64>,
-    pub cost: f64,
     /// Of the shifts' information; none where there are no shifts.
     pub factor: Option<Cholesky<f64, Dyn>>,
 }
@@ -257,11 +255,9 @@ impl MixedSystem {
         information.view_mut((shifts, shifts), (parameters, parameters)).copy_from(prior);
         let gradient = DVector::zeros(shifts + parameters);
         let receptor = noise.receptor;
-        let mut system =
-            MixedSystem { honest, weights, places, shifts, receptor, information, gradient, squares: 0.0 };
+        let mut system = MixedSystem { honest, weights, places, shifts, receptor, information, gradient };
         for (gap, weight) in gaps.iter().zip(&system.weights) {
             let row = system.row(gap);
-            system.squares += weight * gap.gap * gap.gap;
             row.iter().for_each(|&(place, slope)| system.gradient[place] += weight * slope * gap.gap);
             add_row(&mut system.information, &row, *weight);
         }
@@ -287,7 +283,7 @@ impl MixedSystem {
         let mut information = self.information.view((shifts, shifts), (parameters, parameters)).clone_owned();
         let mut gradient = self.gradient.rows(shifts, parameters).clone_owned();
         if shifts == 0 {
-            return Some(Eliminated { information, gradient, cost: 0.5 * self.squares, factor: None });
+            return Some(Eliminated { information, gradient, factor: None });
         }
         let factor = self.information.view((0, 0), (shifts, shifts)).clone_owned().cholesky()?;
         let lower = factor.l_dirty();
@@ -296,8 +292,7 @@ impl MixedSystem {
         let pull = lower.solve_lower_triangular(&self.gradient.rows(0, shifts))?;
         information -= across.tr_mul(&across);
         gradient -= across.tr_mul(&pull);
-        let cost = 0.5 * (self.squares - pull.norm_squared());
-        Some(Eliminated { information, gradient, cost, factor: Some(factor) })
+        Some(Eliminated { information, gradient, factor: Some(factor) })
     }
 
     /// The residuals after a step to the least cost, and how much of each gap it takes up.
@@ -324,6 +319,18 @@ impl MixedSystem {
             self.shifts as f64 - shift_covariance / self.receptor.powi(2).max(f64::MIN_POSITIVE);
         let shift_squares = step.rows(0, self.shifts).norm_squared();
         Some(MixedSolution { residuals, leverages, shift_squares, shift_freedom })
+    }
+
+    /// The likeliest shift of the skin under each receptor by some gaps, in its limb's frame, metres; `factor` is that of the
+    /// shifts' information.
+    pub fn likeliest_shifts(&self, gaps: &[NoisyGap], factor: &Cholesky<f64, Dyn>) -> Vec<Vector3<f64>> {
+        let mut pull = DVector::zeros(self.shifts);
+        for (gap, weight) in gaps.iter().zip(&self.weights) {
+            self.shifts_of(gap).for_each(|(place, slope)| pull[place] -= weight * slope * gap.gap);
+        }
+        factor.solve_mut(&mut pull);
+        let shift = |place: &Option<usize>| place.map(|place| pull.fixed_rows::<3>(place).into_owned());
+        self.places.iter().map(|place| shift(place).unwrap_or_default()).collect()
     }
 
     /// How much more alike gaps are that share a receptor than chance makes them: the derivative of the likelihood by

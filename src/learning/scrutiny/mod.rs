@@ -12,7 +12,7 @@ mod patterned;
 use std::collections::BTreeMap;
 
 use crate::agent::Agent;
-use crate::creature::{Creature, Posture};
+use crate::creature::{Creature, DofElement, Posture};
 use crate::kinematics::Chain;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
 use crate::learning::{Input, Learned, PriorKnowledge};
@@ -43,7 +43,7 @@ pub struct ToldTouch {
     pub prepared: PreparedTouch,
     /// The joints between the limbs.
     pub chain: Vec<usize>,
-    /// Those of them that have axes and do not rest.
+    /// Those of them that do not rest.
     pub moving: Vec<usize>,
     /// The coordinates of the joints between the limbs, in their order.
     coordinates: Vec<f64>,
@@ -101,10 +101,11 @@ impl Testimony {
     }
 }
 
-/// Whether a posture has a joint turned or pushed about an axis that is to be learned.
+/// Whether a posture has a joint turned or pushed.
 fn moves(creature: &Creature, joint: usize, posture: &[f64]) -> bool {
-    let mut elements = creature.joints()[joint].elements();
-    elements.any(|at| !at.is_ball() && posture[at.coordinate()] != 0.0)
+    // What turns a ball are the last three numbers of its quaternion.
+    let turn = |at: DofElement| at.of(posture)[usize::from(at.is_ball())..].iter().any(|&q| q != 0.0);
+    creature.joints()[joint].elements().any(turn)
 }
 
 /// Answers are held against what an agent was told by touches of some input, and what it knew before them.

@@ -17,8 +17,10 @@ use crate::schema::BodySchema;
 use crate::senses::Input;
 use crate::skin::Skin;
 
-/// Fits in which the touches are weighed by how noisy joints spread them, the first with none weighed.
-const WEIGHINGS: usize = 3;
+/// Fits in which the touches are weighed by their noise, the first with none weighed.
+const WEIGHINGS: i32 = 3;
+/// Gaps count as no sharper at first than the skin under receptors is known, and then by this in each fit.
+const SHARPER: f64 = 0.1;
 /// Fits to exact touches, each as sharp as the gaps that the one before left; and no sharper than rounding, metres.
 const SHARPENINGS: usize = 3;
 const ROUNDING: f64 = 1e-11;
@@ -103,10 +105,15 @@ impl SecondOrder {
         receptors: bool,
     ) -> BodySchema {
         let mut noise: Option<Noise> = None;
-        for _ in 0..WEIGHINGS {
+        for weighing in 0..WEIGHINGS {
             let (found, adjusted) = self.noise(used, parameters, &schema, noise, receptors);
-            let mut problem = NoisyProblem::new(self.compared(), &adjusted, parameters, self.prior(), found);
-            schema = levenberg_marquardt(&mut problem, schema, LAST).state;
+            // Where skin may be anywhere, sharp gaps leave the schema hardly any way to go.
+            let narrowest = found.receptor * SHARPER.powi(weighing);
+            let at_first = Noise { contact: found.contact.max(narrowest), ..found };
+            let mut problem =
+                NoisyProblem::new(self.compared(), &adjusted, parameters, self.prior(), at_first);
+            let start = problem.start(schema);
+            schema = levenberg_marquardt(&mut problem, start, LAST).state.schema;
             noise = Some(found);
         }
         schema

@@ -82,12 +82,11 @@ impl Stages {
         posture
     }
 
-    /// Puts a joint where it is when the body starts; a ball stays as it is, for nothing of it is unknown.
+    /// Puts a joint where it is when the body starts.
     fn rest(&self, joint: usize, posture: &mut Posture) {
         let Some(home) = &self.home else { return };
-        let elements = self.agent.creature().joints()[joint].elements();
-        for at in elements.filter(|at| !at.is_ball()) {
-            posture[at.coordinate()] = home[at.coordinate()];
+        for at in self.agent.creature().joints()[joint].elements() {
+            at.of_mut(posture).copy_from_slice(at.of(home));
         }
     }
 
