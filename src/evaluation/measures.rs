@@ -71,6 +71,8 @@ pub struct HeldOutPoint {
 pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(HELD_OUT_SEED);
     let (skin, limbs) = (agent.skin(), agent.limbs_with_skin());
+    let mut on_limb = vec![Vec::new(); agent.creature().limbs().len()];
+    skin.receptors.iter().enumerate().for_each(|(number, receptor)| on_limb[receptor.limb].push(number));
     let beyond = |(n, &a): (usize, &usize)| limbs[n + 1..].iter().map(move |&b| [a, b]).collect::<Vec<_>>();
     let mut pairs: Vec<[usize; 2]> = limbs.iter().enumerate().flat_map(beyond).collect();
     pairs.shuffle(&mut rng);
@@ -78,8 +80,7 @@ pub fn held_out_points(agent: &Agent) -> Vec<HeldOutPoint> {
     for pair in pairs.into_iter().cycle().take(HELD_OUT_POSTURES) {
         let posture = Posture::random(agent.creature(), &mut rng);
         let [a, b] = if rng.random() { pair } else { [pair[1], pair[0]] };
-        let on_limb: Vec<usize> = skin.receptors_on(a).collect();
-        let receptor = &skin.receptors[on_limb[rng.random_range(0..on_limb.len())]];
+        let receptor = &skin.receptors[on_limb[a][rng.random_range(0..on_limb[a].len())]];
         let [u, v] = receptor.half_extents.map(|half| half * rng.random_range(-1.0..1.0));
         let p_a = receptor.position + receptor.tangent * u + receptor.bitangent() * v;
         points.push(HeldOutPoint { posture, limbs: [a, b], p_a });

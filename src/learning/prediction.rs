@@ -46,7 +46,8 @@ impl GapRow {
         shifts: &[Vector3<f64>; 2],
     ) {
         let frames = touch.frames(schema);
-        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &shifted(&frames, shifts));
+        let shifted = [0, 1].map(|k| Frame { origin: frames[k].point(&shifts[k]), ..frames[k] });
+        let found = SurfaceGap::new(skin, 1.0).gap(&touch.ends, &shifted);
         self.gap = found.distance;
         self.points = [0, 1].map(|k| frames[k].inverse_point(&found.middle()));
         self.normals =
@@ -103,11 +104,6 @@ impl GapRow {
     pub fn variance(&self, covariance: &DMatrix<f64>) -> f64 {
         row_variance(&self.entries, covariance)
     }
-}
-
-/// Frames of two limbs from which skin is seen as it is where it is shifted on them, each in its limb's frame, metres.
-pub(super) fn shifted(frames: &[Frame; 2], shifts: &[Vector3<f64>; 2]) -> [Frame; 2] {
-    [0, 1].map(|k| Frame { origin: frames[k].point(&shifts[k]), ..frames[k] })
 }
 
 /// `j Σ jᵀ` of a derivative j, given as pairs of a parameter's place and the derivative by it.

@@ -161,8 +161,9 @@ fn a_study_of_herschs_rule_compares_what_it_is_given() {
         of("20 passes", guess).iter().map(|row| row["before_mm"].as_f64().unwrap()).sum::<f64>()
     };
     assert!(before("30°") < before("90°"));
-    for near in of("20 passes", "30°") {
+    for (near, far) in of("20 passes", "30°").into_iter().zip(of("20 passes", "90°")) {
         assert!(near["heldout_mm"].as_f64() < near["before_mm"].as_f64(), "{near}");
+        assert!(near["heldout_mm"].as_f64() < far["heldout_mm"].as_f64(), "{near} {far}");
     }
     for (whole, once) in of("20 passes", "30°").into_iter().zip(of("1 pass", "30°")) {
         assert!(whole["heldout_mm"].as_f64() < once["heldout_mm"].as_f64(), "{whole} {once}");

@@ -71,7 +71,7 @@ impl Growth {
     }
 }
 
-/// Puts a joint at rest, as near to zero as its range has it; a ball stays as it is, for nothing of it is unknown.
+/// Puts a joint at rest, as near to zero as its range has it; a ball, which has no axes, stays as it is.
 pub fn rest(creature: &Creature, joint: usize, posture: &mut [f64]) {
     if has_axes(creature, joint) {
         for at in creature.joints()[joint].elements().filter(|at| !at.is_ball()) {

@@ -18,9 +18,8 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
 use super::estimate::{MixedSystem, Noise};
-use super::gap::{Compared, NoisyGap, axes_of_misses, widths};
+use super::gap::{Compared, NoisyGap, axes_of_misses, shift_under, widths};
 use crate::agent::Agent;
-use crate::learning::observation::Observation;
 use crate::learning::prediction::GapRow;
 use crate::learning::surface_gap::SurfaceGap;
 use crate::learning::touch_set::{PreparedTouch, TouchSet};
@@ -143,8 +142,7 @@ pub(super) fn gaps_where_skin_is(
             };
             match compared {
                 Compared::Surfaces => {
-                    let of_end = |end: &Observation| shifts.get(end.receptor).copied().unwrap_or_default();
-                    let shifts = touch.ends.each_ref().map(of_end);
+                    let shifts = touch.ends.each_ref().map(|end| shift_under(shifts, end.receptor));
                     row.set_shifted(skin, parameters, schema, touch, &shifts);
                     row.gap -= (0..2).map(|k| row.normals[k].dot(&shifts[k])).sum::<f64>();
                     push(&row, 0.0);
@@ -302,6 +300,7 @@ mod tests {
     use crate::creature::{Creature, Dof, DofKind, Joint};
     use crate::geometry::Shape;
     use crate::kinematics::{Chain, ChainSide};
+    use crate::learning::observation::Observation;
     use crate::learning::touch_set::LimbTouch;
     use crate::skin::{Receptor, Skin, Surface};
     use nalgebra::UnitQuaternion;

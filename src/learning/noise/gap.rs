@@ -75,6 +75,11 @@ pub(super) fn axes_of_misses(schema: &BodySchema, touch: &PreparedTouch) -> (Mat
     (axes, [0, 1, 2].map(|k| axes.column(k).dot(&(told * axes.column(k)))))
 }
 
+/// How far the skin under a receptor is shifted, in its limb's frame, metres: not at all where nothing is told of it.
+pub(super) fn shift_under(shifts: &[Vector3<f64>], receptor: usize) -> Vector3<f64> {
+    shifts.get(receptor).copied().unwrap_or_default()
+}
+
 impl NoisyGap {
     /// Its derivatives by the shifts of either receptor's skin.
     pub(super) fn shifts(&self) -> impl Iterator<Item = (usize, Vector3<f64>)> {

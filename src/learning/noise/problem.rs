@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Dyn, Vector3};
 
 use super::adjusted::{Adjusted, gaps_where_skin_is};
 use super::estimate::{Eliminated, MixedSystem, Noise};
-use super::gap::{Compared, NoisyGap};
+use super::gap::{Compared, NoisyGap, shift_under};
 use crate::agent::Agent;
 use crate::deadline::count_work;
 use crate::learning::Parameters;
@@ -62,8 +62,7 @@ impl<'a> NoisyProblem<'a> {
     /// The cost of gaps with skin where it is, in some system.
     fn cost_of(system: &MixedSystem, gaps: &[NoisyGap], shifts: &[Vector3<f64>]) -> f64 {
         let squares = gaps.iter().zip(&system.weights).map(|(gap, weight)| {
-            let shift = |receptor: usize| shifts.get(receptor).copied().unwrap_or_default();
-            let moved: f64 = gap.shifts().map(|(receptor, normal)| normal.dot(&shift(receptor))).sum();
+            let moved: f64 = gap.shifts().map(|(r, normal)| normal.dot(&shift_under(shifts, r))).sum();
             weight * (gap.gap + moved).powi(2)
         });
         let of_shifts = shifts.iter().map(|shift| shift.norm_squared()).sum::<f64>();

@@ -109,9 +109,8 @@ impl SecondOrder {
             let (found, adjusted) = self.noise(used, parameters, &schema, noise, receptors);
             // Where skin may be anywhere, sharp gaps leave the schema hardly any way to go.
             let narrowest = found.receptor * SHARPER.powi(weighing);
-            let at_first = Noise { contact: found.contact.max(narrowest), ..found };
-            let mut problem =
-                NoisyProblem::new(self.compared(), &adjusted, parameters, self.prior(), at_first);
+            let blunt = Noise { contact: found.contact.max(narrowest), ..found };
+            let mut problem = NoisyProblem::new(self.compared(), &adjusted, parameters, self.prior(), blunt);
             let start = problem.start(schema);
             schema = levenberg_marquardt(&mut problem, start, LAST).state.schema;
             noise = Some(found);
